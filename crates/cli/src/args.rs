@@ -1,0 +1,64 @@
+//! The command line as clap reads it, and which file runs which subcommand.
+
+use clap::{Parser, Subcommand};
+
+use crate::{Console, Failure, inspect, simulate};
+
+/// Differentiable planar physics from the shell.
+#[derive(Debug, Parser)]
+#[command(
+    name = "tangency",
+    version,
+    about,
+    after_help = "Exit codes: 0 done, 1 failed, 2 wrong usage or bad input."
+)]
+pub struct Arguments {
+    /// Print nothing but errors
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The subcommands, each in the file of its name.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene; write its trajectory and a replay page; print a summary
+    Simulate(simulate::Arguments),
+    /// Check a scene file and show what one step from a state models
+    Inspect(inspect::Arguments),
+}
+
+impl Command {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// A [`Failure`] that knows its exit code.
+    pub fn run(&self, console: &Console) -> Result<(), Failure> {
+        match self {
+            Self::Simulate(arguments) => simulate::run(arguments, console),
+            Self::Inspect(arguments) => inspect::run(arguments, console),
+        }
+    }
+}
+
+/// Parses a positive, finite number.
+///
+/// # Errors
+/// What is wrong with it and what to give.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
+        Ok(_) => Err("give a positive, finite number of seconds".into()),
+        Err(_) => Err("give a number of seconds, such as 0.01".into()),
+    }
+}
+
+/// Parses a number that is not negative, and finite.
+///
+/// # Errors
+/// What is wrong with it and what to give.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    if text.parse::<f64>() == Ok(0.0) { Ok(0.0) } else { positive(text) }
+}

@@ -1,0 +1,44 @@
+//! The `tangency` command: simulates and inspects planar scenes from the shell.
+//!
+//! [`main`] parses the arguments and hands them to one file per subcommand. Those share four
+//! nouns: a [`Run`] is what was simulated, its [trajectory file](trajectory_file) and its
+//! [replay page](replay) are how it leaves the program, and a [`Failure`] is why it did not.
+//!
+//! A new subcommand is a file with a `clap::Args` struct and its `run`, a variant of
+//! [`args::Command`] and a line in [`args::Command::run`].
+
+pub mod args;
+pub mod inspect;
+pub mod simulate;
+
+mod console;
+mod failure;
+pub mod replay;
+pub mod run;
+mod summary;
+mod table;
+pub mod trajectory_file;
+
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+pub use console::Console;
+pub use failure::Failure;
+pub use run::{Frame, Push, Run};
+pub use summary::Summary;
+pub use table::Table;
+
+/// Runs the command line of this process. Exit codes: 0 done, 1 failed, 2 wrong usage or input.
+#[must_use]
+pub fn main() -> ExitCode {
+    let arguments = args::Arguments::parse();
+    let console = Console { quiet: arguments.quiet };
+    match arguments.command.run(&console) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            console.report(&failure);
+            failure.exit_code()
+        }
+    }
+}

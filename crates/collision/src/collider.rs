@@ -1,0 +1,54 @@
+//! All shapes of one body, ready for contact queries.
+
+use crate::{Shape, ShapeError, outline::Outline};
+
+/// The shapes of one body in the body's frame, whose origin is where the body's pose says.
+#[derive(Clone, Debug)]
+pub struct Collider {
+    shapes: Vec<Shape>,
+    outlines: Vec<Outline>,
+    radius: f64,
+}
+
+impl Collider {
+    /// Checks and prepares the shapes; contact identifiers number them in this order.
+    ///
+    /// # Errors
+    ///
+    /// The first [`ShapeError`] among the shapes; [`ShapeError::NoShapes`] when there are none.
+    pub fn new(shapes: &[Shape]) -> Result<Self, ShapeError> {
+        match shapes.len() {
+            0 => return Err(ShapeError::NoShapes),
+            count if count > usize::from(u16::MAX) => {
+                return Err(ShapeError::TooMany { field: "shapes", count });
+            }
+            _ => shapes.iter().try_for_each(Shape::validate)?,
+        }
+        let outlines: Vec<Outline> = shapes.iter().map(Outline::new).collect();
+        let radius = outlines.iter().map(Outline::reach).fold(0.0, f64::max);
+        Ok(Self { shapes: shapes.to_vec(), outlines, radius })
+    }
+
+    /// Radius of a circle about the body's origin that holds all shapes, m; infinite with a
+    /// half-plane.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// The shapes, as given.
+    #[must_use]
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// Whether there is no shape; never true of a collider that [`Collider::new`] made.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty()
+    }
+
+    pub(crate) fn outlines(&self) -> &[Outline] {
+        &self.outlines
+    }
+}

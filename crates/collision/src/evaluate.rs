@@ -1,0 +1,71 @@
+//! From features and poses to point, normal and gap.
+//!
+//! ```text
+//!      ________
+//!     |   b    |
+//!     |___.____|        x_b   point of b
+//!         ↑ n           n     unit normal, from a to b
+//!         × point       gap   positive when apart
+//!   ──────┴──────
+//!         a
+//! ```
+
+use nalgebra::Vector2;
+use serde::{Deserialize, Serialize};
+
+use crate::{ContactFeature, Feature, Pose, pose};
+
+/// A contact at given poses.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contact {
+    /// What touches.
+    pub feature: ContactFeature,
+    /// Midway between the two surfaces, m.
+    pub point: Vector2<f64>,
+    /// Unit normal from body a to body b.
+    pub normal: Vector2<f64>,
+    /// Distance of the two surfaces along the normal, m; negative where they overlap.
+    pub gap: f64,
+}
+
+impl ContactFeature {
+    /// Point, normal and gap of these features at the poses of bodies a and b.
+    ///
+    /// With x = p + R(θ) l for every local point l, and r_a, r_b the radii:
+    ///
+    /// ```text
+    /// Points   r = x_b − x_a,  d = |r|     n = r/d       gap = d − r_a − r_b
+    /// LineA    x_l on a's line             n = R_a n̂     gap = n·(x_b − x_l) − r_a − r_b
+    /// LineB    x_l on b's line             n = −R_b n̂    gap = n·(x_l − x_a) − r_a − r_b
+    ///
+    /// point = x_a + n (r_a + gap/2)  (Points, LineB),   x_b − n (r_b + gap/2)  (LineA)
+    /// ```
+    ///
+    /// The normal of coincident `Points` is not a number; [`contacts`](crate::contacts) refuses them.
+    #[must_use]
+    pub fn evaluate(&self, a: &Pose, b: &Pose) -> Contact {
+        let [r_a, r_b] = self.radii;
+        let (point, normal, gap) = match &self.feature {
+            Feature::Points { a: l_a, b: l_b } => {
+                let (x_a, x_b) = (pose::point(a, l_a), pose::point(b, l_b));
+                let r = x_b - x_a;
+                let d = r.norm();
+                let (n, gap) = (r / d, d - r_a - r_b);
+                (x_a + n * (r_a + gap / 2.0), n, gap)
+            }
+            Feature::LineA { point, normal, b: l_b } => {
+                let (x_l, x_b) = (pose::point(a, point), pose::point(b, l_b));
+                let n = pose::direction(a, normal);
+                let gap = n.dot(&(x_b - x_l)) - r_a - r_b;
+                (x_b - n * (r_b + gap / 2.0), n, gap)
+            }
+            Feature::LineB { a: l_a, point, normal } => {
+                let (x_a, x_l) = (pose::point(a, l_a), pose::point(b, point));
+                let n = -pose::direction(b, normal);
+                let gap = n.dot(&(x_l - x_a)) - r_a - r_b;
+                (x_a + n * (r_a + gap / 2.0), n, gap)
+            }
+        };
+        Contact { feature: *self, point, normal, gap }
+    }
+}

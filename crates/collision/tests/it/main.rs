@@ -1,0 +1,10 @@
+//! Tests of the public interface, against numbers from outside the code.
+
+mod support;
+
+mod flush;
+mod impact;
+mod jets;
+mod pairs;
+mod random;
+mod shapes;

@@ -1,0 +1,104 @@
+//! Which contacts and limits are in reach of a step.
+
+use nalgebra::Vector3;
+use tangency_collision::{Contact, Placed, contacts};
+
+use crate::row::{RowContext, RowSource, Stage};
+use crate::scene::Scene;
+use crate::{ContactModel, State, StepError};
+
+/// How far anything can move towards anything else within one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Reach {
+    /// m.
+    pub(crate) linear: f64,
+    /// rad.
+    pub(crate) angular: f64,
+}
+
+/// Bounds by the fastest body: a collision may pass its speed on to any other.
+pub(crate) fn reach(scene: &Scene, v: &[Vector3<f64>], momentum: &[Vector3<f64>]) -> Reach {
+    let (mut linear, mut angular) = (0.0_f64, 0.0_f64);
+    for (i, body) in scene.bodies.iter().enumerate() {
+        let free = if scene.is_dynamic(i) { momentum[i].component_div(&body.mass) } else { v[i] };
+        let radius = Some(scene.colliders[i].radius()).filter(|r| r.is_finite()).unwrap_or(0.0);
+        let speed = v[i].xy().norm().max(free.xy().norm());
+        let rate = v[i].z.abs().max(free.z.abs());
+        let gyration = if scene.is_dynamic(i) { (body.mass.z / body.mass.x).sqrt() } else { 1.0 };
+        linear = linear.max(speed + rate * radius);
+        angular = angular.max(rate + speed / gyration);
+    }
+    Reach { linear: 2.0 * scene.dt * linear, angular: 2.0 * scene.dt * angular }
+}
+
+/// Contacts that the step must know of, in the order of their ids.
+///
+/// # Errors
+/// [`StepError::Collision`] where geometry has no answer (coincident centres).
+pub(crate) fn detect(
+    scene: &Scene,
+    state: &State,
+    reach: Reach,
+) -> Result<Vec<Contact>, StepError> {
+    let reach = match scene.def.contact_model {
+        ContactModel::Gap => reach.linear,
+        ContactModel::Velocity { contact_distance } => contact_distance,
+    };
+    contacts_within(scene, state, reach)
+}
+
+/// Contacts with a gap of at most `reach`.
+///
+/// # Errors
+/// As [`detect`].
+pub(crate) fn contacts_within(
+    scene: &Scene,
+    state: &State,
+    reach: f64,
+) -> Result<Vec<Contact>, StepError> {
+    let placed: Vec<Placed<'_>> = (scene.colliders.iter().zip(&state.q))
+        .map(|(collider, pose)| Placed { collider, pose: *pose })
+        .collect();
+    contacts(&placed, reach, &|a, b| scene.collides(a, b))
+        .map_err(|source| StepError::Collision { time: state.time, source })
+}
+
+/// All rows of the step, joints first, each friction row behind its normal row.
+pub(crate) fn rows(context: &RowContext<'_>, reach: Reach) -> Vec<RowSource> {
+    let mut rows = Vec::new();
+    for (j, joint) in context.scene.joints.iter().enumerate() {
+        let post = context.stage == Stage::Post;
+        if post && joint.softness.is_some() {
+            continue;
+        }
+        let index = u32::try_from(j).expect("fewer joints than u32 counts");
+        let held = u32::try_from(joint.held.len()).expect("few rows");
+        rows.extend((0..held).map(|row| RowSource::Held { joint: index, row }));
+        if joint.limits.lower.is_some() {
+            rows.extend(limit_in_reach(context, RowSource::Lower { joint: index }, reach));
+        }
+        if joint.limits.upper.is_some() {
+            rows.extend(limit_in_reach(context, RowSource::Upper { joint: index }, reach));
+        }
+        if joint.motor.is_some() && !post {
+            rows.push(RowSource::Motor { joint: index });
+        }
+    }
+    for contact in 0..u32::try_from(context.contacts.len()).expect("fewer contacts than u32 counts")
+    {
+        rows.push(RowSource::Normal { contact });
+        let [a, b] = context.contact_bodies(contact);
+        if context.stage == Stage::Velocity && context.scene.pair_friction(a, b).value > 0.0 {
+            rows.push(RowSource::Tangent { contact });
+        }
+    }
+    rows
+}
+
+/// The row of a limit if the free coordinate can get there within the step.
+fn limit_in_reach(context: &RowContext<'_>, row: RowSource, reach: Reach) -> Option<RowSource> {
+    let geometry = context.geometry(row);
+    let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
+    let bound: f64 = geometry.jacobian.iter().map(travel).sum();
+    (geometry.value <= bound).then_some(row)
+}

@@ -1,0 +1,121 @@
+//! What can go wrong, each cause with its numbers.
+
+use tangency_collision::{CollisionError, ShapeError};
+use tangency_lcp::LcpError;
+
+/// A scene that cannot be built. Every variant knows the path of the field that is wrong, as in
+/// `bodies[2].mass`.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// A number is out of its range.
+    #[error("{path} is {value}: {expected}")]
+    Value {
+        /// The field.
+        path: String,
+        /// The value given.
+        value: f64,
+        /// What it must be.
+        expected: &'static str,
+    },
+    /// A name that nothing has.
+    #[error("{path} names {name:?}, which is not {what}; known: {known}")]
+    UnknownName {
+        /// The field.
+        path: String,
+        /// The name given.
+        name: String,
+        /// What was looked for.
+        what: &'static str,
+        /// The names there are.
+        known: String,
+    },
+    /// A name given twice, or one that is reserved.
+    #[error("{path} is {name:?}: {reason}")]
+    BadName {
+        /// The field.
+        path: String,
+        /// The name given.
+        name: String,
+        /// Why it cannot be used.
+        reason: &'static str,
+    },
+    /// A shape that is not one.
+    #[error("{path}: {source}")]
+    Shape {
+        /// The field.
+        path: String,
+        /// What is wrong with it.
+        source: ShapeError,
+    },
+    /// Fields that contradict each other, or one that is missing.
+    #[error("{path}: {reason}")]
+    Conflict {
+        /// The field.
+        path: String,
+        /// What to do.
+        reason: &'static str,
+    },
+}
+
+impl SceneError {
+    /// The field that is wrong, as in `joints[0].kind.revolute.motor.max`.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        match self {
+            Self::Value { path, .. }
+            | Self::UnknownName { path, .. }
+            | Self::BadName { path, .. }
+            | Self::Shape { path, .. }
+            | Self::Conflict { path, .. } => path,
+        }
+    }
+}
+
+/// A step that could not be taken. The state before it is untouched.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The state does not fit the scene.
+    #[error("the state has {found} bodies, the scene {expected}")]
+    StateSize {
+        /// Bodies of the scene.
+        expected: usize,
+        /// Bodies of the state.
+        found: usize,
+    },
+    /// The control does not fit the scene.
+    #[error("the control has {found} numbers, the scene {expected} control channels")]
+    ControlSize {
+        /// Channels of the scene.
+        expected: usize,
+        /// Numbers given.
+        found: usize,
+    },
+    /// Not a number, or infinite.
+    #[error("{what} {index} is not finite; look for an earlier division by zero")]
+    NotFinite {
+        /// What kind of thing it is.
+        what: &'static str,
+        /// Which one.
+        index: usize,
+    },
+    /// Contact detection failed.
+    #[error("at time {time}: {source}")]
+    Collision {
+        /// Time at the start of the step, s.
+        time: f64,
+        /// Why.
+        source: CollisionError,
+    },
+    /// The complementarity problem was not solved.
+    #[error("at time {time}, bodies {bodies}: {source}")]
+    Lcp {
+        /// Time at the start of the step, s.
+        time: f64,
+        /// Names of the bodies of the island.
+        bodies: String,
+        /// Why.
+        source: LcpError,
+    },
+}

@@ -1,0 +1,57 @@
+//! The engine: scenes, the problem of a time step, stepping, rollouts.
+//!
+//! A step is [`step`], and reads:
+//!
+//! ```text
+//!  contacts = detect(scene, state)            which features are in reach
+//!  islands  = assemble(rows(contacts))        one mixed complementarity problem per island
+//!  solved   = solve_checked(solver, islands)  accepted by residual, whichever backend answered
+//!  next     = integrate(state, solved)        v⁺, then q⁺ = q + dt v⁺
+//! ```
+//!
+//! It returns its own [`StepRecord`]; the list of records is the tape that `tangency-diff` reads.
+//! This crate names no backend and computes no gradient of a step; the derivatives of the formulas
+//! that it evaluates (joint coordinates, right-hand sides) stand beside them.
+//!
+//! Conventions: world frame and SI units unless a name ends in `_local`; the normal points from
+//! body a to body b; gaps are positive apart; angles are counter-clockwise.
+
+// In reading order: what a person describes,
+mod body;
+mod force;
+mod joint;
+mod scene_def;
+// what it compiles to,
+mod compile;
+mod error;
+pub mod material;
+pub mod measure;
+mod param;
+mod scene;
+mod state;
+// and how it moves.
+mod detect;
+mod inspect;
+mod island;
+pub mod momentum;
+pub mod rhs;
+mod rollout;
+pub mod row;
+mod step;
+
+pub use body::{BodyDef, BodyKind};
+pub use error::{SceneError, StepError};
+pub use force::{ControlDef, ControlInput, ForceDef};
+pub use inspect::{Inspection, IslandInspection, inspect};
+pub use joint::{JointDef, JointKind, Limits, Motor, Softness, WORLD};
+pub use param::Param;
+pub use rollout::{Rollout, rollout, simulate};
+pub use row::RowSource;
+pub use scene::{Body, Control, Force, Joint, JointRow, Scene};
+pub use scene_def::{ContactModel, Correction, PairDef, SceneDef, Stabilisation};
+pub use state::State;
+pub use step::{
+    ContactImpulse, Counts, IslandRecord, Path, PostRecord, StepRecord, StepScratch, step,
+};
+pub use tangency_collision::{Contact, ContactId, Pose, Shape};
+pub use tangency_lcp as lcp;

@@ -1,0 +1,53 @@
+//! Momentum without the impulses of contacts and joints: p = M v⁻ + dt f.
+
+use nalgebra::Vector3;
+
+use crate::row::RowContext;
+use crate::scene::{Control, Force, Scene};
+
+/// p per body, (N·s, N·s, N·m·s); zero for bodies without unknowns.
+#[must_use]
+pub fn momentum(context: &RowContext<'_>, time: f64) -> Vec<Vector3<f64>> {
+    let scene = context.scene;
+    let mut p: Vec<_> = (0..scene.bodies.len()).map(|i| inertial(context, i)).collect();
+    for force in &scene.forces {
+        p[force.body] += force.wrench * overlap(force, time, scene.dt);
+    }
+    for (control, u) in scene.controls.iter().zip(context.control) {
+        match *control {
+            Control::Wrench { body, component } => p[body][component] += scene.dt * u,
+            Control::JointForce { joint } => add_joint_force(context, joint, *u, &mut p),
+            Control::MotorSpeed { .. } => {}
+        }
+    }
+    for (i, p) in p.iter_mut().enumerate().filter(|(i, _)| !scene.is_dynamic(*i)) {
+        debug_assert!(scene.bodies[i].mass == Vector3::zeros());
+        *p = Vector3::zeros();
+    }
+    p
+}
+
+/// M v + dt M g.
+fn inertial(context: &RowContext<'_>, i: usize) -> Vector3<f64> {
+    let Scene { bodies, gravity, dt, .. } = context.scene;
+    let body = &bodies[i];
+    let g = gravity * body.gravity_scale;
+    body.mass.component_mul(&(context.v[i] + Vector3::new(g.x, g.y, 0.0) * *dt))
+}
+
+/// How long a force acts within the step that begins at `time`, s.
+#[must_use]
+pub fn overlap(force: &Force, time: f64, dt: f64) -> f64 {
+    (force.end.min(time + dt) - force.start.max(time)).max(0.0)
+}
+
+fn add_joint_force(context: &RowContext<'_>, joint: usize, u: f64, p: &mut [Vector3<f64>]) {
+    let free = context.scene.joints[joint].free.expect("checked when the scene was built");
+    let index = u32::try_from(joint).expect("fewer joints than u32 counts");
+    let row = context.joint_geometry(index, free);
+    for (body, j) in row.bodies.iter().zip(row.jacobian) {
+        if let Some(body) = body {
+            p[*body] += j * (context.scene.dt * u);
+        }
+    }
+}

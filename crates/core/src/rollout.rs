@@ -1,0 +1,74 @@
+//! Many steps in a row. The list of their records is the tape that reverse mode reads.
+
+use serde::{Deserialize, Serialize};
+use tangency_lcp::LcpSolver;
+
+use crate::{Scene, State, StepError, StepRecord, StepScratch, step};
+
+/// A run: the state it began in and what every step produced.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rollout {
+    /// State before the first step.
+    pub initial: State,
+    /// One record per step.
+    pub records: Vec<StepRecord>,
+}
+
+impl Rollout {
+    /// State before step `k`; the state after the last step for `k` = number of steps.
+    ///
+    /// # Panics
+    /// If `k` exceeds the number of steps.
+    #[must_use]
+    pub fn state(&self, k: usize) -> &State {
+        if k == 0 { &self.initial } else { &self.records[k - 1].after }
+    }
+
+    /// All states, the initial one first: one more than there are steps.
+    pub fn states(&self) -> impl Iterator<Item = &State> {
+        std::iter::once(&self.initial).chain(self.records.iter().map(|r| &r.after))
+    }
+
+    /// The state at the end.
+    #[must_use]
+    pub fn last(&self) -> &State {
+        self.state(self.records.len())
+    }
+
+    /// The worst residual of all steps.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        self.records.iter().map(StepRecord::residual).fold(0.0, f64::max)
+    }
+}
+
+/// Runs `steps` steps from `initial`. `control(k, state)` gives step k's control array, one number
+/// per channel of the scene.
+///
+/// # Errors
+/// The first [`StepError`]; its message tells the time.
+pub fn rollout(
+    scene: &Scene,
+    solver: &dyn LcpSolver,
+    initial: State,
+    steps: usize,
+    mut control: impl FnMut(usize, &State) -> Vec<f64>,
+) -> Result<Rollout, StepError> {
+    let mut scratch = StepScratch::default();
+    let mut run = Rollout { initial, records: Vec::with_capacity(steps) };
+    for k in 0..steps {
+        let state = run.state(k);
+        let record = step(scene, solver, state, &control(k, state), &mut scratch)?;
+        run.records.push(record);
+    }
+    Ok(run)
+}
+
+/// Runs a scene from its own initial state for `steps` steps with all controls zero.
+///
+/// # Errors
+/// As [`rollout`].
+pub fn simulate(scene: &Scene, solver: &dyn LcpSolver, steps: usize) -> Result<Rollout, StepError> {
+    let zeros = vec![0.0; scene.controls().len()];
+    rollout(scene, solver, scene.initial_state(), steps, |_, _| zeros.clone())
+}

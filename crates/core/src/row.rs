@@ -1,0 +1,260 @@
+//! The rows of a step: where each comes from, its geometry, its right-hand side and its law.
+//!
+//! ```text
+//!  contact at c, normal n from a to b, tangent t = ⊥n, arms ρ = c − p:
+//!    Jₙ = [−n, −n·⊥ρ_a | n, n·⊥ρ_b]        Jₜ = [−t, −t·⊥ρ_a | t, t·⊥ρ_b]
+//!  limit of a joint's free coordinate φ:   gap = φ − lower   or   upper − φ
+//! ```
+
+use nalgebra::{Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+use tangency_collision::{Contact, Pose, pose};
+use tangency_lcp::Law;
+
+use crate::rhs::{self, Rhs, Unilateral};
+use crate::scene::{Control, Joint, JointRow, Scene};
+use crate::{BodyKind, Correction};
+
+/// Penetrations and limit violations below this part of a body's size are rounding.
+const SLOP: f64 = 1e-9;
+
+/// Where a row comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum RowSource {
+    /// A coordinate that a joint holds.
+    Held {
+        /// The joint.
+        joint: u32,
+        /// Which of its held rows.
+        row: u32,
+    },
+    /// Lower limit of a joint's free coordinate.
+    Lower {
+        /// The joint.
+        joint: u32,
+    },
+    /// Upper limit of a joint's free coordinate.
+    Upper {
+        /// The joint.
+        joint: u32,
+    },
+    /// Motor of a joint.
+    Motor {
+        /// The joint.
+        joint: u32,
+    },
+    /// A contact's normal row.
+    Normal {
+        /// Index into the step's contacts.
+        contact: u32,
+    },
+    /// A contact's friction row.
+    Tangent {
+        /// Index into the step's contacts.
+        contact: u32,
+    },
+}
+
+/// Which problem of a step the rows belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// The velocities at the end of the step.
+    Velocity,
+    /// The displacement that removes position errors after the move.
+    Post,
+}
+
+/// Value and gradient of a row, before its right-hand side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowGeometry {
+    /// Bodies a and b; `None` is the world.
+    pub bodies: [Option<usize>; 2],
+    /// Position error or gap, m or rad; 0 for friction and motors.
+    pub value: f64,
+    /// Jacobian blocks, 1 × 3 each.
+    pub jacobian: [Vector3<f64>; 2],
+}
+
+/// What rows are evaluated from.
+#[derive(Clone, Copy, Debug)]
+pub struct RowContext<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Which problem.
+    pub stage: Stage,
+    /// Poses that the rows are evaluated at.
+    pub q: &'a [Pose],
+    /// Velocities before the step.
+    pub v: &'a [Vector3<f64>],
+    /// Control of the step.
+    pub control: &'a [f64],
+    /// Contacts, evaluated at `q`.
+    pub contacts: &'a [Contact],
+}
+
+impl RowContext<'_> {
+    /// Value and gradient of a row.
+    #[must_use]
+    pub fn geometry(&self, source: RowSource) -> RowGeometry {
+        match source {
+            RowSource::Held { joint, row } => {
+                let held = self.joint(joint).held[row as usize];
+                self.joint_geometry(joint, held)
+            }
+            RowSource::Lower { joint } => {
+                let (row, lower) = (self.free(joint), self.joint(joint).limits.lower);
+                let mut g = self.joint_geometry(joint, row);
+                g.value -= lower.expect("a lower row has a lower limit");
+                g
+            }
+            RowSource::Upper { joint } => {
+                let (row, upper) = (self.free(joint), self.joint(joint).limits.upper);
+                let g = self.joint_geometry(joint, row);
+                let value = upper.expect("an upper row has an upper limit") - g.value;
+                RowGeometry { value, jacobian: g.jacobian.map(|j| -j), ..g }
+            }
+            RowSource::Motor { joint } => {
+                RowGeometry { value: 0.0, ..self.joint_geometry(joint, self.free(joint)) }
+            }
+            RowSource::Normal { contact } => {
+                let contact = &self.contacts[contact as usize];
+                self.contact_geometry(contact, &contact.normal, contact.gap)
+            }
+            RowSource::Tangent { contact } => {
+                let contact = &self.contacts[contact as usize];
+                self.contact_geometry(contact, &pose::perp(&contact.normal), 0.0)
+            }
+        }
+    }
+
+    /// Right-hand side of a row, before the velocities of kinematic bodies are taken off.
+    /// `speed` is J v⁻.
+    #[must_use]
+    pub fn rhs(&self, source: RowSource, value: f64, speed: f64) -> Rhs {
+        let scene = self.scene;
+        match (self.stage, source) {
+            (_, RowSource::Tangent { .. }) => Rhs::default(),
+            (Stage::Velocity, RowSource::Held { joint, .. }) => match self.joint(joint).softness {
+                Some(softness) => rhs::soft(softness, value, scene.dt),
+                None => rhs::rigid(scene.def.stabilisation.joints, value, scene.dt),
+            },
+            (Stage::Velocity, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
+                let (slop, correction) = (self.limit_slop(joint), scene.def.stabilisation.joints);
+                self.unilateral(slop, correction).rhs(value, speed, 0.0)
+            }
+            (Stage::Velocity, RowSource::Motor { joint }) => {
+                Rhs { value: self.motor_speed(joint), ..Rhs::default() }
+            }
+            (Stage::Velocity, RowSource::Normal { contact }) => {
+                let [a, b] = self.contact_bodies(contact);
+                let e = scene.pair_restitution(a, b).value;
+                let correction = scene.def.stabilisation.contacts;
+                self.unilateral(self.contact_slop(contact), correction).rhs(value, speed, e)
+            }
+            (Stage::Post, RowSource::Held { .. } | RowSource::Motor { .. }) => {
+                if scene.def.stabilisation.joints == Correction::Post {
+                    rhs::post_joint(value, scene.dt, scene.def.recovery_speed)
+                } else {
+                    Rhs::default()
+                }
+            }
+            (Stage::Post, _) => rhs::post_gap(value, scene.dt, scene.def.recovery_speed),
+        }
+    }
+
+    /// The law of a row; `normal` is the index of the row before, for friction.
+    #[must_use]
+    pub fn law(&self, source: RowSource, normal: u32) -> Law {
+        match source {
+            RowSource::Held { .. } => Law::Equality,
+            RowSource::Lower { .. } | RowSource::Upper { .. } | RowSource::Normal { .. } => {
+                Law::Unilateral
+            }
+            RowSource::Motor { joint } => match self.joint(joint).motor.and_then(|m| m.max) {
+                Some(max) => Law::Bounded { max: max * self.scene.dt },
+                None => Law::Equality,
+            },
+            RowSource::Tangent { contact } => {
+                let [a, b] = self.contact_bodies(contact);
+                Law::Friction { normal, mu: self.scene.pair_friction(a, b).value }
+            }
+        }
+    }
+
+    /// Target speed of a joint's motor, controls included, rad/s or m/s.
+    #[must_use]
+    pub fn motor_speed(&self, joint: u32) -> f64 {
+        let own = self.joint(joint).motor.map_or(0.0, |m| m.speed);
+        let drives = Control::MotorSpeed { joint: joint as usize };
+        let inputs = self.scene.controls.iter().zip(self.control);
+        own + inputs.filter(|(c, _)| **c == drives).map(|(_, u)| u).sum::<f64>()
+    }
+
+    /// Bodies of a contact.
+    #[must_use]
+    pub fn contact_bodies(&self, contact: u32) -> [usize; 2] {
+        self.contacts[contact as usize].feature.id.bodies.map(|b| b as usize)
+    }
+
+    /// Penetrations of this contact below this are rounding, m.
+    #[must_use]
+    pub fn contact_slop(&self, contact: u32) -> f64 {
+        let [a, b] = self.contact_bodies(contact);
+        SLOP * self.scene.size(a).min(self.scene.size(b))
+    }
+
+    /// Violations of this joint's limits below this are rounding, m or rad.
+    #[must_use]
+    pub fn limit_slop(&self, joint: u32) -> f64 {
+        let turns = self.free(joint).measure == crate::measure::Measure::Angle;
+        let sizes = self.joint(joint).bodies.iter().flatten().map(|b| self.scene.size(*b));
+        SLOP * if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) }
+    }
+
+    /// A scalar of a joint at the context's poses.
+    #[must_use]
+    pub fn joint_geometry(&self, joint: u32, row: JointRow) -> RowGeometry {
+        let Joint { bodies, anchors, .. } = self.joint(joint);
+        let poses = self.scene.joint_poses(joint as usize, self.q);
+        let m = row.measure.evaluate([&poses[0], &poses[1]], [&anchors[0], &anchors[1]]);
+        RowGeometry { bodies: *bodies, value: m.value - row.reference, jacobian: m.jacobian }
+    }
+
+    fn contact_geometry(&self, contact: &Contact, d: &Vector2<f64>, value: f64) -> RowGeometry {
+        let bodies = contact.feature.id.bodies.map(|b| b as usize);
+        let turn = |i: usize| d.dot(&pose::perp(&(contact.point - self.q[bodies[i]].xy())));
+        let jacobian = [Vector3::new(-d.x, -d.y, -turn(0)), Vector3::new(d.x, d.y, turn(1))];
+        RowGeometry { bodies: bodies.map(Some), value, jacobian }
+    }
+
+    fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {
+        let (def, dt) = (&self.scene.def, self.scene.dt);
+        let recovery_speed = def.recovery_speed;
+        Unilateral { model: def.contact_model, correction, dt, recovery_speed, slop }
+    }
+
+    fn joint(&self, joint: u32) -> &Joint {
+        &self.scene.joints[joint as usize]
+    }
+
+    fn free(&self, joint: u32) -> JointRow {
+        self.joint(joint).free.expect("only joints with a free coordinate have limits and motors")
+    }
+}
+
+impl Scene {
+    /// A length that stands for a body's size, m: the radius of its shapes, or of gyration.
+    #[must_use]
+    pub fn size(&self, body: usize) -> f64 {
+        let radius = self.colliders[body].radius();
+        if radius > 0.0 {
+            return radius;
+        }
+        let mass = self.bodies[body].mass;
+        if self.bodies[body].kind == BodyKind::Dynamic {
+            (mass.z / mass.x).sqrt()
+        } else {
+            f64::INFINITY
+        }
+    }
+}

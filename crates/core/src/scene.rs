@@ -1,0 +1,359 @@
+//! A scene: checked, compiled, and constant during a rollout.
+
+use nalgebra::{Vector2, Vector3};
+use tangency_collision::{Collider, pose};
+
+use crate::compile::{
+    Names, compile_body, compile_control, compile_force, compile_joint, positive,
+};
+use crate::material::{self, Mixed};
+use crate::measure::Measure;
+use crate::{
+    BodyKind, ContactModel, Correction, Limits, Motor, SceneDef, SceneError, Softness,
+    Stabilisation, State,
+};
+
+/// A body as the engine sees it.
+#[derive(Clone, Debug)]
+pub struct Body {
+    /// Name.
+    pub name: String,
+    /// How it moves.
+    pub kind: BodyKind,
+    /// Diagonal of the mass matrix, (kg, kg, kg·m²); of dynamic bodies positive.
+    pub mass: Vector3<f64>,
+    /// Area of the shapes, m², where the mass came from a density or the inertia from the shapes.
+    pub area: f64,
+    /// Whether inertia follows from mass and shapes, so that it scales with the mass.
+    pub inertia_follows_mass: bool,
+    /// Friction coefficient.
+    pub friction: f64,
+    /// Restitution.
+    pub restitution: f64,
+    /// Factor on gravity.
+    pub gravity_scale: f64,
+    /// Tags.
+    pub groups: Vec<String>,
+    pub(crate) category: u32,
+    pub(crate) mask: u32,
+}
+
+/// A scalar that a joint holds at a reference value, or leaves free.
+#[derive(Clone, Copy, Debug)]
+pub struct JointRow {
+    /// Which scalar of the two poses.
+    pub measure: Measure,
+    /// The value that counts as zero, m or rad.
+    pub reference: f64,
+}
+
+/// A joint as the engine sees it.
+#[derive(Clone, Debug)]
+pub struct Joint {
+    /// Name.
+    pub name: String,
+    /// Bodies a and b; `None` is the world.
+    pub bodies: [Option<usize>; 2],
+    /// Anchors in the bodies' centre-of-mass frames (world coordinates for the world), m.
+    pub anchors: [Vector2<f64>; 2],
+    /// What it holds.
+    pub held: Vec<JointRow>,
+    /// What it leaves free, where limits, motors and joint forces act.
+    pub free: Option<JointRow>,
+    /// Limits of the free coordinate.
+    pub limits: Limits,
+    /// Motor on the free coordinate.
+    pub motor: Option<Motor>,
+    /// Stiffness and damping of the held rows; rigid if absent.
+    pub softness: Option<Softness>,
+}
+
+/// A wrench within a window of time.
+#[derive(Clone, Copy, Debug)]
+pub struct Force {
+    /// The body.
+    pub body: usize,
+    /// (N, N, N·m).
+    pub wrench: Vector3<f64>,
+    /// From, s.
+    pub start: f64,
+    /// To, s.
+    pub end: f64,
+}
+
+/// What a control channel drives, by index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Control {
+    /// A component (0: N, 1: N, 2: N·m) of the wrench on a body.
+    Wrench {
+        /// The body.
+        body: usize,
+        /// The component.
+        component: usize,
+    },
+    /// Adds to a motor's target speed.
+    MotorSpeed {
+        /// The joint.
+        joint: usize,
+    },
+    /// Force or torque along a joint's free coordinate.
+    JointForce {
+        /// The joint.
+        joint: usize,
+    },
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    pub(crate) bodies: [usize; 2],
+    pub(crate) collide: Option<bool>,
+    pub(crate) friction: Option<f64>,
+    pub(crate) restitution: Option<f64>,
+}
+
+/// A checked scene. Its numbers may be read freely and are changed through
+/// [`Scene::set`](crate::Scene::set).
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub(crate) def: SceneDef,
+    pub(crate) gravity: Vector2<f64>,
+    pub(crate) dt: f64,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) colliders: Vec<Collider>,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) forces: Vec<Force>,
+    pub(crate) controls: Vec<Control>,
+    pub(crate) pairs: Vec<Pair>,
+    pub(crate) initial: State,
+}
+
+impl Scene {
+    /// Checks and compiles a definition.
+    ///
+    /// # Errors
+    /// A [`SceneError`] that names the field, its value and what to do.
+    pub fn new(def: &SceneDef) -> Result<Self, SceneError> {
+        check_settings(def)?;
+        let names = Names::of_bodies(&def.bodies)?;
+        let mut scene = Self {
+            def: def.clone(),
+            gravity: Vector2::from(def.gravity),
+            dt: def.dt,
+            bodies: Vec::new(),
+            colliders: Vec::new(),
+            joints: Vec::new(),
+            forces: Vec::new(),
+            controls: Vec::new(),
+            pairs: Vec::new(),
+            initial: State::default(),
+        };
+        for (i, body) in def.bodies.iter().enumerate() {
+            let compiled = compile_body(body, &format!("bodies[{i}]"))?;
+            scene.bodies.push(compiled.body);
+            scene.colliders.push(compiled.collider);
+            scene.initial.q.push(compiled.pose);
+            scene.initial.v.push(compiled.velocity);
+        }
+        let joint_names = Names::of_joints(&def.joints)?;
+        for (i, joint) in def.joints.iter().enumerate() {
+            let joint = compile_joint(joint, &format!("joints[{i}]"), &names, &scene)?;
+            scene.joints.push(joint);
+        }
+        for (i, force) in def.forces.iter().enumerate() {
+            scene.forces.push(compile_force(force, &format!("forces[{i}]"), &names)?);
+        }
+        Names::check_controls(&def.controls)?;
+        for (i, control) in def.controls.iter().enumerate() {
+            let path = format!("controls[{i}].input");
+            scene.controls.push(compile_control(control, &path, &names, &joint_names, &scene)?);
+        }
+        for (i, pair) in def.pairs.iter().enumerate() {
+            scene.pairs.push(crate::compile::compile_pair(pair, &format!("pairs[{i}]"), &names)?);
+        }
+        Ok(scene)
+    }
+
+    /// The definition as it was given; [`Scene::set`](crate::Scene::set) does not change it.
+    #[must_use]
+    pub fn def(&self) -> &SceneDef {
+        &self.def
+    }
+
+    /// Gravity, m/s².
+    #[must_use]
+    pub fn gravity(&self) -> Vector2<f64> {
+        self.gravity
+    }
+
+    /// Time step, s.
+    #[must_use]
+    pub fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Bodies.
+    #[must_use]
+    pub fn bodies(&self) -> &[Body] {
+        &self.bodies
+    }
+
+    /// Colliders of the bodies, in their centre-of-mass frames.
+    #[must_use]
+    pub fn colliders(&self) -> &[Collider] {
+        &self.colliders
+    }
+
+    /// Joints and springs.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Forces in time.
+    #[must_use]
+    pub fn forces(&self) -> &[Force] {
+        &self.forces
+    }
+
+    /// Control channels.
+    #[must_use]
+    pub fn controls(&self) -> &[Control] {
+        &self.controls
+    }
+
+    /// What a contact constrains.
+    #[must_use]
+    pub fn contact_model(&self) -> ContactModel {
+        self.def.contact_model
+    }
+
+    /// How position errors are removed.
+    #[must_use]
+    pub fn stabilisation(&self) -> Stabilisation {
+        self.def.stabilisation
+    }
+
+    /// Greatest speed of [`Correction::Post`], m/s and rad/s.
+    #[must_use]
+    pub fn recovery_speed(&self) -> f64 {
+        self.def.recovery_speed
+    }
+
+    /// Greatest residual of an accepted step.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
+        self.def.tolerance
+    }
+
+    /// The state at time 0.
+    #[must_use]
+    pub fn initial_state(&self) -> State {
+        self.initial.clone()
+    }
+
+    /// Index of a body by its name.
+    #[must_use]
+    pub fn body_index(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|b| b.name == name)
+    }
+
+    /// Index of a joint by its name.
+    #[must_use]
+    pub fn joint_index(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|j| j.name == name)
+    }
+
+    /// Whether a body's velocity is an unknown.
+    #[must_use]
+    pub fn is_dynamic(&self, body: usize) -> bool {
+        self.bodies[body].kind == BodyKind::Dynamic
+    }
+
+    /// Friction of a pair of bodies.
+    #[must_use]
+    pub fn pair_friction(&self, a: usize, b: usize) -> Mixed {
+        match self.pair(a, b).and_then(|p| p.friction) {
+            Some(value) => Mixed { value, d: [0.0; 2] },
+            None => material::friction(self.bodies[a].friction, self.bodies[b].friction),
+        }
+    }
+
+    /// Restitution of a pair of bodies.
+    #[must_use]
+    pub fn pair_restitution(&self, a: usize, b: usize) -> Mixed {
+        match self.pair(a, b).and_then(|p| p.restitution) {
+            Some(value) => Mixed { value, d: [0.0; 2] },
+            None => material::restitution(self.bodies[a].restitution, self.bodies[b].restitution),
+        }
+    }
+
+    /// Whether two bodies may touch.
+    #[must_use]
+    pub fn collides(&self, a: usize, b: usize) -> bool {
+        if !self.is_dynamic(a) && !self.is_dynamic(b) {
+            return false;
+        }
+        if let Some(collide) = self.pair(a, b).and_then(|p| p.collide) {
+            return collide;
+        }
+        let (one, two) = (&self.bodies[a], &self.bodies[b]);
+        one.category & two.mask != 0 && two.category & one.mask != 0 && !self.jointed(a, b)
+    }
+
+    fn jointed(&self, a: usize, b: usize) -> bool {
+        let pair = [Some(a), Some(b)];
+        let swapped = [Some(b), Some(a)];
+        let same = |(joint, def): (&Joint, &crate::JointDef)| {
+            !def.collide && (joint.bodies == pair || joint.bodies == swapped)
+        };
+        self.joints.iter().zip(&self.def.joints).any(same)
+    }
+
+    fn pair(&self, a: usize, b: usize) -> Option<&Pair> {
+        self.pairs.iter().find(|p| p.bodies == [a, b] || p.bodies == [b, a])
+    }
+
+    /// Pose of a joint's body in `q`; the world's is zero.
+    #[must_use]
+    pub fn joint_poses(&self, joint: usize, q: &[Vector3<f64>]) -> [Vector3<f64>; 2] {
+        self.joints[joint].bodies.map(|b| b.map_or_else(Vector3::zeros, |b| q[b]))
+    }
+
+    /// Anchors of a joint in the world, m.
+    #[must_use]
+    pub fn joint_anchors(&self, joint: usize, state: &State) -> [Vector2<f64>; 2] {
+        let poses = self.joint_poses(joint, &state.q);
+        [0, 1].map(|i| pose::point(&poses[i], &self.joints[joint].anchors[i]))
+    }
+}
+
+fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
+    if def.version != 1 {
+        let (path, value) = ("version".into(), f64::from(def.version));
+        return Err(SceneError::Value { path, value, expected: "this engine reads version 1" });
+    }
+    for (i, g) in def.gravity.iter().enumerate() {
+        crate::compile::finite(*g, &format!("gravity[{i}]"))?;
+    }
+    positive(def.dt, "dt")?;
+    positive(def.duration, "duration")?;
+    positive(def.recovery_speed, "recovery_speed")?;
+    positive(def.tolerance, "tolerance")?;
+    if let ContactModel::Velocity { contact_distance } = def.contact_model {
+        positive(contact_distance, "contact_model.velocity.contact_distance")?;
+    }
+    let corrections =
+        [("joints", def.stabilisation.joints), ("contacts", def.stabilisation.contacts)];
+    for (name, correction) in corrections {
+        if let Correction::Baumgarte { fraction } = correction
+            && !(fraction > 0.0 && fraction <= 1.0)
+        {
+            return Err(SceneError::Value {
+                path: format!("stabilisation.{name}.baumgarte.fraction"),
+                value: fraction,
+                expected: "give a fraction in (0, 1]",
+            });
+        }
+    }
+    Ok(())
+}

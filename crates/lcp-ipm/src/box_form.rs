@@ -1,0 +1,139 @@
+//! The problem as the interior point sees it: one signed unknown per row, and bounds.
+//!
+//! ```text
+//!  u = W y + q
+//!
+//!  free        u = 0
+//!  positive    0 ≤ y ⟂ u ≥ 0
+//!  box         u = w⁻ − w⁺,    s± = h ∓ y,    0 ≤ s± ⟂ w± ≥ 0,    h constant or μ y_n
+//! ```
+
+use tangency_lcp::{BandMatrix, Delassus, Law, Lcp, Metric};
+
+/// The law of one unknown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum BoxLaw {
+    /// u = 0.
+    Free,
+    /// 0 ≤ y ⟂ u ≥ 0.
+    Positive,
+    /// |y| ≤ max.
+    Bounded { max: f64 },
+    /// |y| ≤ μ y_n.
+    Friction { normal: usize, mu: f64 },
+}
+
+/// Matrix, right-hand side and laws, scaled to numbers around one.
+#[derive(Clone, Debug)]
+pub(crate) struct BoxForm {
+    /// W, with room for the couplings of friction and normal.
+    pub(crate) matrix: BandMatrix,
+    /// q.
+    pub(crate) q: Vec<f64>,
+    /// Laws.
+    pub(crate) laws: Vec<BoxLaw>,
+    /// Unknown `i` times `unscale[i]` is the impulse of row `rows[i]`.
+    pub(crate) unscale: Vec<f64>,
+    /// Row of the problem per unknown.
+    pub(crate) rows: Vec<u32>,
+}
+
+impl BoxForm {
+    /// Row i of the mixed problem, scaled: y = λ √Wᵢᵢ / s, u = u / (√Wᵢᵢ s), with s the largest
+    /// |qᵢ| / √Wᵢᵢ.
+    pub(crate) fn of_rows(problem: &Lcp, metric: &Metric) -> Self {
+        let Delassus { rows, matrix } = Delassus::new(problem, metric);
+        let free = problem.free_velocities();
+        let mut q: Vec<f64> = Vec::with_capacity(rows.len());
+        let mut position = vec![0; rows.len()];
+        for (slot, &row) in rows.iter().enumerate() {
+            let row = row as usize;
+            position[row] = slot;
+            q.push((problem.row_velocity(row, &free) - problem.rows[row].rhs) / metric.root[row]);
+        }
+        let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
+        let scale = if largest > 0.0 { largest } else { 1.0 };
+        q.iter_mut().for_each(|q| *q /= scale);
+        let law = |&row: &u32| {
+            let row = row as usize;
+            match problem.rows[row].law {
+                Law::Equality => BoxLaw::Free,
+                Law::Unilateral => BoxLaw::Positive,
+                Law::Bounded { max } => BoxLaw::Bounded { max: max * metric.root[row] / scale },
+                Law::Friction { normal, mu } => {
+                    let normal = normal as usize;
+                    let mu = mu * metric.root[row] / metric.root[normal];
+                    BoxLaw::Friction { normal: position[normal], mu }
+                }
+            }
+        };
+        let laws = rows.iter().map(law).collect();
+        let unscale = rows.iter().map(|&row| scale / metric.root[row as usize]).collect();
+        Self { matrix, q, laws, unscale, rows }
+    }
+
+    /// Number of unknowns.
+    pub(crate) fn len(&self) -> usize {
+        self.q.len()
+    }
+
+    /// Impulses per row of the problem.
+    pub(crate) fn impulses(&self, y: &[f64]) -> Vec<f64> {
+        let mut impulses = vec![0.0; y.len()];
+        for ((&row, unscale), y) in self.rows.iter().zip(&self.unscale).zip(y) {
+            impulses[row as usize] = unscale * y;
+        }
+        impulses
+    }
+
+    /// u = W y + q.
+    pub(crate) fn remainders(&self, y: &[f64]) -> Vec<f64> {
+        let mut u = self.matrix.times(y);
+        u.iter_mut().zip(&self.q).for_each(|(u, q)| *u += q);
+        u
+    }
+
+    /// Bound of a box unknown.
+    pub(crate) fn bound(&self, slot: usize, y: &[f64]) -> f64 {
+        match self.laws[slot] {
+            BoxLaw::Bounded { max } => max,
+            BoxLaw::Friction { normal, mu } => mu * y[normal],
+            BoxLaw::Free | BoxLaw::Positive => f64::INFINITY,
+        }
+    }
+
+    /// Natural residual at y, in the scaled units.
+    pub(crate) fn residual(&self, y: &[f64], u: &[f64]) -> f64 {
+        let mut worst = 0.0_f64;
+        for slot in 0..self.len() {
+            let (y_i, u_i) = (y[slot], u[slot]);
+            let defect = match self.laws[slot] {
+                BoxLaw::Free => u_i,
+                BoxLaw::Positive => y_i.min(u_i),
+                BoxLaw::Bounded { .. } | BoxLaw::Friction { .. } => {
+                    let bound = self.bound(slot, y).max(0.0);
+                    y_i - (y_i - u_i).max(-bound).min(bound)
+                }
+            };
+            worst = if defect.is_nan() { f64::INFINITY } else { worst.max(defect.abs()) };
+        }
+        worst
+    }
+}
+
+impl BoxForm {
+    /// Slots whose law is of a kind, in order.
+    pub(crate) fn slots(&self, kind: impl Fn(BoxLaw) -> bool) -> Vec<usize> {
+        (0..self.len()).filter(|&slot| kind(self.laws[slot])).collect()
+    }
+
+    /// Entry of W, zero outside the band.
+    pub(crate) fn entry(&self, i: usize, j: usize) -> f64 {
+        if self.matrix.columns(i).contains(&j) { self.matrix.get(i, j) } else { 0.0 }
+    }
+
+    /// Number of complementary pairs.
+    pub(crate) fn pairs(&self) -> usize {
+        self.laws.iter().map(|&law| crate::newton::pair_count(law)).sum()
+    }
+}

@@ -1,0 +1,39 @@
+//! The mixed linear complementarity problem of one planar time step.
+//!
+//! Knows masses, momenta and scalar rows with a law each; knows nothing of shapes, joints, time or
+//! any solver's inside. Read in the order of the modules: the problem and what a solution is; the
+//! residual, which alone decides whether a candidate is one; the linear system that remains once
+//! every row's mode is known; the polish, which turns a guess of the modes into an exact solution;
+//! the trait that backends implement; the paper's dense form.
+
+mod problem;
+mod validate;
+mod rows;
+mod solution;
+mod residual;
+mod band;
+mod order;
+mod delassus;
+mod active_set;
+mod modes;
+mod polish;
+mod solver;
+mod linear;
+mod dense;
+mod error;
+
+pub use active_set::{ActiveSystem, Fold, Reduced};
+pub use band::{BandMatrix, Cholesky, Lu};
+pub use delassus::Delassus;
+pub use dense::{PaperForm, PaperSolution};
+pub use error::LcpError;
+pub use linear::solve_linear;
+pub use modes::{WeakKind, WeakRow};
+pub use polish::{Polish, Polished};
+pub use problem::{Law, Lcp, NO_BODY, Row};
+pub use residual::{Metric, Residual};
+pub use solution::{LcpSolution, Mode, SolveStats};
+pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,99 @@
+//! An order of rows in which their matrix is a narrow band.
+
+use crate::Lcp;
+use crate::rows::Touching;
+
+/// Below this number of rows a full matrix is as cheap as a band.
+const SMALL: usize = 16;
+
+/// Half-width of the band of the rows in the given order: the greatest distance of two rows that
+/// share a body.
+pub(crate) fn half_width(problem: &Lcp, rows: &[u32]) -> usize {
+    let mut span = vec![(usize::MAX, 0); problem.mass.len()];
+    for (position, &row) in rows.iter().enumerate() {
+        for (body, _) in problem.rows[row as usize].blocks() {
+            let (least, greatest) = span[body];
+            span[body] = (position.min(least), position.max(greatest));
+        }
+    }
+    span.iter().map(|&(least, greatest)| greatest.saturating_sub(least)).max().unwrap_or(0)
+}
+
+/// Orders the rows by reverse Cuthill–McKee on their bodies where that narrows the band; returns
+/// the half-width.
+pub(crate) fn narrow(problem: &Lcp, rows: &mut Vec<u32>) -> usize {
+    let natural = half_width(problem, rows);
+    if rows.len() <= SMALL || 4 * natural <= SMALL {
+        return natural;
+    }
+    let position = cuthill_mckee(problem, rows);
+    let mut sorted = rows.clone();
+    sorted.sort_by_key(|&row| {
+        let mut bodies = problem.rows[row as usize].blocks().map(|(body, _)| position[body]);
+        let first = bodies.next().unwrap_or(0);
+        let second = bodies.next().unwrap_or(first);
+        (first.max(second), first.min(second), row)
+    });
+    let ordered = half_width(problem, &sorted);
+    if ordered < natural {
+        *rows = sorted;
+    }
+    ordered.min(natural)
+}
+
+/// Position of each body in a breadth-first walk over bodies that share a row; walks start at the
+/// far end of a first walk, neighbours come by degree and then by index.
+fn cuthill_mckee(problem: &Lcp, rows: &[u32]) -> Vec<usize> {
+    let bodies = problem.mass.len();
+    let graph = Graph { problem, rows, touching: Touching::new(problem, rows.iter().map(|&row| row as usize)) };
+    let mut position = vec![usize::MAX; bodies];
+    let mut count = 0;
+    for body in 0..bodies {
+        if position[body] == usize::MAX {
+            let far = *graph.walk(body).last().unwrap_or(&body);
+            for reached in graph.walk(far) {
+                position[reached] = count;
+                count += 1;
+            }
+        }
+    }
+    position
+}
+
+struct Graph<'a> {
+    problem: &'a Lcp,
+    rows: &'a [u32],
+    touching: Touching,
+}
+
+impl Graph<'_> {
+    fn neighbours(&self, body: usize) -> Vec<usize> {
+        let other = |&(slot, side): &(u32, u32)| {
+            let row = &self.problem.rows[self.rows[slot as usize] as usize];
+            let body = row.bodies[1 - side as usize];
+            (body != crate::NO_BODY).then_some(body as usize)
+        };
+        let mut found: Vec<usize> = self.touching.of(body).iter().filter_map(other).collect();
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    fn walk(&self, from: usize) -> Vec<usize> {
+        let mut reached = vec![false; self.problem.mass.len()];
+        reached[from] = true;
+        let mut order = vec![from];
+        let mut next = 0;
+        while next < order.len() {
+            let mut neighbours = self.neighbours(order[next]);
+            neighbours.retain(|&body| !reached[body]);
+            neighbours.sort_by_key(|&body| (self.touching.of(body).len(), body));
+            for body in neighbours {
+                reached[body] = true;
+                order.push(body);
+            }
+            next += 1;
+        }
+        order
+    }
+}

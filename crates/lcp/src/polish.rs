@@ -1,0 +1,275 @@
+//! From a guess of the modes to an exact solution: a short primal-dual active-set loop on
+//! [`ActiveSystem`].
+//!
+//! Every backend ends with it; it is the warm start; it leaves the factorisation that the
+//! derivative needs. It claims nothing: a result carries the natural residual of what it found.
+
+use std::sync::Arc;
+
+use crate::modes::Reading;
+use crate::{ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Residual, SolveStats};
+
+/// A row keeps its mode while it violates it by less than this, relative to s*.
+const KEEP: f64 = 1e-13;
+/// Impulses below this, relative to s*, count as none when a weakly active row is released.
+const WEAK: f64 = 1e-10;
+/// Doubtful contacts are tried released below these impulses, relative to s*.
+const RELEASES: [f64; 3] = [0.0, 1e-7, 1e-4];
+
+/// Settings and problem of a polish.
+#[derive(Clone, Copy, Debug)]
+pub struct Polish<'a> {
+    /// The problem.
+    pub problem: &'a Lcp,
+    /// Its metric.
+    pub metric: &'a Metric,
+    /// Natural residual at which to stop.
+    pub target: f64,
+    /// Greatest number of corrections of the modes per attempt.
+    pub max_flips: u32,
+}
+
+/// What a polish found.
+#[derive(Clone, Debug)]
+pub struct Polished {
+    /// The candidate, with its modes and factored system.
+    pub solution: LcpSolution,
+    /// Its natural residual.
+    pub residual: Residual,
+}
+
+impl Polished {
+    /// The residual's greatest part.
+    #[must_use]
+    pub fn max(&self) -> f64 {
+        self.residual.max()
+    }
+
+    /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual.
+    #[must_use]
+    pub fn rounding(&self, metric: &Metric) -> f64 {
+        let scaled = self.solution.impulses.iter().zip(&metric.root).map(|(y, root)| y.abs() * root);
+        metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max))
+    }
+
+    fn better(self, other: Option<Self>) -> Self {
+        match other {
+            Some(other) if other.max() <= self.max() => other,
+            _ => self,
+        }
+    }
+}
+
+impl Polish<'_> {
+    /// Whether the candidate's residual is at the target, or at rounding.
+    #[must_use]
+    pub fn reached(&self, candidate: &Polished) -> bool {
+        candidate.max() <= self.target.max(candidate.rounding(self.metric))
+    }
+
+    /// Polishes an approximate solution, of which impulses and velocities are used. Modes are read
+    /// with all closed contacts first, then with the doubtful ones released. Returns the best
+    /// candidate found if its residual is below that of the approximate solution.
+    #[must_use]
+    pub fn approximate(&self, approximate: &LcpSolution) -> Option<Polished> {
+        let before = self.problem.residual_in(self.metric, approximate).max();
+        let best = self.read(&approximate.impulses, &approximate.velocities, &RELEASES)?;
+        (best.max() < before).then_some(best)
+    }
+
+    /// The same without a comparison, for the release thresholds given.
+    fn read(
+        &self,
+        impulses: &[f64],
+        velocities: &[nalgebra::Vector3<f64>],
+        releases: &[f64],
+    ) -> Option<Polished> {
+        let slacks = self.problem.remainders(velocities, impulses);
+        let reading = self.reading(impulses, &slacks);
+        let mut tried: Vec<Vec<Mode>> = Vec::new();
+        let mut best: Option<Polished> = None;
+        for &release in releases {
+            let modes = reading.modes(release);
+            if tried.contains(&modes) {
+                continue;
+            }
+            tried.push(modes.clone());
+            best = Some(self.modes(modes, Some(impulses)).better(best));
+            if best.as_ref().is_some_and(|best| self.reached(best)) {
+                break;
+            }
+        }
+        best
+    }
+
+    /// Modes of an approximate solution, by its impulses and velocities.
+    #[must_use]
+    pub fn read_modes(&self, approximate: &LcpSolution) -> Vec<Mode> {
+        let slacks = self.problem.remainders(&approximate.velocities, &approximate.impulses);
+        self.reading(&approximate.impulses, &slacks).modes(0.0)
+    }
+
+    /// Modes that a row alone would take at the free velocities. With `slide`, friction slides where
+    /// a contact alone would; without, it sticks.
+    #[must_use]
+    pub fn cold_modes(&self, slide: bool) -> Vec<Mode> {
+        let impulses = vec![0.0; self.problem.rows.len()];
+        let slacks = self.problem.remainders(&self.problem.free_velocities(), &impulses);
+        let mut modes = self.reading(&impulses, &slacks).modes(0.0);
+        if !slide {
+            for (mode, row) in modes.iter_mut().zip(&self.problem.rows) {
+                if matches!(row.law, Law::Friction { .. }) && *mode != Mode::Open {
+                    *mode = Mode::Active;
+                }
+            }
+        }
+        modes
+    }
+
+    /// Starts from modes: solves, corrects the violated ones together, and one at a time once the
+    /// modes repeat; returns the best candidate. `start` is an impulse per row, near which those of
+    /// dependent rows are sought if the smallest ones break a law.
+    ///
+    /// Block corrections can cycle even for P-matrices (Ben Gharbia & Gilbert 2012); single
+    /// corrections of the last violated row cannot (Murty 1974).
+    #[must_use]
+    pub fn modes(&self, mut modes: Vec<Mode>, start: Option<&[f64]>) -> Polished {
+        let mut seen: Vec<Vec<Mode>> = Vec::new();
+        let mut single = false;
+        let mut best = self.evaluate(&modes, start);
+        let mut last = best.clone();
+        let mut factorisations = last.solution.stats.factorisations;
+        for _ in 0..self.max_flips {
+            if self.reached(&best) {
+                break;
+            }
+            let reading = self.reading(&last.solution.impulses, &last.solution.slacks);
+            let mut next = reading.corrected(&modes, KEEP);
+            single |= seen.contains(&next);
+            if single {
+                next = last_correction(&modes, &next);
+            }
+            if next == modes {
+                break;
+            }
+            seen.push(std::mem::replace(&mut modes, next));
+            last = self.evaluate(&modes, start);
+            factorisations += last.solution.stats.factorisations;
+            best = last.clone().better(Some(best));
+        }
+        best.solution.stats.factorisations = factorisations;
+        self.released(best)
+    }
+
+    /// The candidate that the modes imply.
+    fn evaluate(&self, modes: &[Mode], start: Option<&[f64]>) -> Polished {
+        let system = Arc::new(ActiveSystem::new(self.problem, self.metric, modes));
+        let least = self.candidate(&system, modes, None);
+        match start {
+            Some(start) if system.rank_defect() > 0 && !self.reached(&least) => {
+                self.candidate(&system, modes, Some(start)).better(Some(least))
+            }
+            _ => least,
+        }
+    }
+
+    fn candidate(
+        &self,
+        system: &Arc<ActiveSystem>,
+        modes: &[Mode],
+        start: Option<&[f64]>,
+    ) -> Polished {
+        let problem = self.problem;
+        let reduced = system.solve(problem, start);
+        let mut impulses = system.spread(problem, &reduced.impulses);
+        self.lift(&mut impulses);
+        let slacks = problem.remainders(&reduced.velocities, &impulses);
+        let solution = LcpSolution {
+            velocities: reduced.velocities,
+            impulses,
+            slacks,
+            modes: effective(problem, modes),
+            stats: SolveStats { iterations: 0, factorisations: 1 },
+            system: Some(Arc::clone(system)),
+        };
+        let residual = problem.residual_in(self.metric, &solution);
+        Polished { solution, residual }
+    }
+
+    /// Unilateral impulses that are negative by rounding only become zero.
+    fn lift(&self, impulses: &mut [f64]) {
+        for (row, impulse) in impulses.iter_mut().enumerate() {
+            let rounding = KEEP * self.metric.scale / self.metric.root[row];
+            if *impulse < 0.0
+                && *impulse >= -rounding
+                && self.problem.rows[row].law == Law::Unilateral
+            {
+                *impulse = 0.0;
+            }
+        }
+    }
+
+    /// Prefers the released mode of weakly active rows: contacts without impulse are open, friction
+    /// and motors on their bound slide. Kept only if it solves the problem as well.
+    fn released(&self, found: Polished) -> Polished {
+        if !self.reached(&found) {
+            return found;
+        }
+        let Some(modes) = self.released_modes(&found.solution) else { return found };
+        let mut released = self.evaluate(&modes, Some(&found.solution.impulses));
+        released.solution.stats.factorisations += found.solution.stats.factorisations;
+        if self.reached(&released) { released } else { found }
+    }
+
+    fn released_modes(&self, solution: &LcpSolution) -> Option<Vec<Mode>> {
+        let mut modes = solution.modes.clone();
+        for (i, row) in self.problem.rows.iter().enumerate() {
+            if modes[i] != Mode::Active {
+                continue;
+            }
+            let y = solution.impulses[i] * self.metric.root[i];
+            let bound = self.metric.bound(row.law, i, &solution.impulses);
+            modes[i] = match row.law {
+                Law::Unilateral if y <= WEAK * self.metric.scale => Mode::Open,
+                Law::Friction { normal, .. } if modes[normal as usize] == Mode::Open => Mode::Open,
+                Law::Bounded { .. } | Law::Friction { .. }
+                    if y.abs() >= bound - WEAK * self.metric.scale =>
+                {
+                    if y > 0.0 { Mode::Upper } else { Mode::Lower }
+                }
+                _ => Mode::Active,
+            };
+        }
+        (modes != solution.modes).then_some(modes)
+    }
+
+    fn reading<'b>(&'b self, impulses: &'b [f64], slacks: &'b [f64]) -> Reading<'b> {
+        Reading { problem: self.problem, metric: self.metric, impulses, slacks }
+    }
+}
+
+/// Only the last difference between `modes` and `next`.
+fn last_correction(modes: &[Mode], next: &[Mode]) -> Vec<Mode> {
+    let mut corrected = modes.to_vec();
+    if let Some(row) = (0..modes.len()).rev().find(|&row| modes[row] != next[row]) {
+        corrected[row] = next[row];
+    }
+    corrected
+}
+
+/// The modes that the reduced system really has: equalities active, friction of open contacts open.
+fn effective(problem: &Lcp, modes: &[Mode]) -> Vec<Mode> {
+    let mode = |(row, &mode): (&crate::Row, &Mode)| match row.law {
+        Law::Equality => Mode::Active,
+        Law::Unilateral => if mode == Mode::Active { mode } else { Mode::Open },
+        Law::Bounded { .. } => mode,
+        Law::Friction { normal, .. } => {
+            if modes[normal as usize] == Mode::Active && mode != Mode::Open {
+                mode
+            } else {
+                Mode::Open
+            }
+        }
+    };
+    problem.rows.iter().zip(modes).map(mode).collect()
+}

@@ -1,0 +1,81 @@
+//! What a problem must be before a solver sees it.
+
+use crate::{Law, Lcp, LcpError, NO_BODY, Row};
+
+impl Lcp {
+    /// Checks sizes, indices, signs and finiteness.
+    ///
+    /// # Errors
+    /// The first offence, with the item and field.
+    pub fn validate(&self) -> Result<(), LcpError> {
+        let (expected, found) = (self.mass.len(), self.momentum.len());
+        if expected != found {
+            return Err(LcpError::DimensionMismatch { what: "momentum", expected, found });
+        }
+        for (index, (mass, momentum)) in self.mass.iter().zip(&self.momentum).enumerate() {
+            for &value in mass {
+                finite("mass", index, value)?;
+                in_range("mass", index, value, value > 0.0)?;
+            }
+            momentum.iter().try_for_each(|&value| finite("momentum", index, value))?;
+        }
+        (0..self.rows.len()).try_for_each(|row| self.validate_row(row))
+    }
+
+    fn validate_row(&self, index: usize) -> Result<(), LcpError> {
+        let row = &self.rows[index];
+        self.validate_blocks(index, row)?;
+        finite("row.rhs", index, row.rhs)?;
+        finite("row.compliance", index, row.compliance)?;
+        in_range("row.compliance", index, row.compliance, row.compliance >= 0.0)?;
+        match row.law {
+            Law::Equality | Law::Unilateral => Ok(()),
+            Law::Bounded { max } => {
+                finite("row.law.max", index, max)?;
+                in_range("row.law.max", index, max, max > 0.0)
+            }
+            Law::Friction { normal, mu } => {
+                finite("row.law.mu", index, mu)?;
+                in_range("row.law.mu", index, mu, mu > 0.0)?;
+                self.validate_normal(index, normal as usize)
+            }
+        }
+    }
+
+    fn validate_blocks(&self, index: usize, row: &Row) -> Result<(), LcpError> {
+        for side in 0..2 {
+            let (body, block) = (row.bodies[side], &row.jacobian[side]);
+            block.iter().try_for_each(|&value| finite("row.jacobian", index, value))?;
+            if body == NO_BODY {
+                if block.iter().any(|&value| value != 0.0) {
+                    return Err(LcpError::BlockWithoutBody { row: index, side });
+                }
+            } else if body as usize >= self.mass.len() {
+                let (body, bodies) = (body as usize, self.mass.len());
+                return Err(LcpError::NoSuchBody { row: index, body, bodies });
+            }
+        }
+        if row.bodies[0] == row.bodies[1] && row.bodies[0] != NO_BODY {
+            return Err(LcpError::SameBody { row: index, body: row.bodies[0] as usize });
+        }
+        Ok(())
+    }
+
+    fn validate_normal(&self, row: usize, normal: usize) -> Result<(), LcpError> {
+        if normal >= row {
+            return Err(LcpError::NormalNotEarlier { row, normal });
+        }
+        if self.rows[normal].law != Law::Unilateral {
+            return Err(LcpError::NormalNotUnilateral { row, normal });
+        }
+        Ok(())
+    }
+}
+
+fn finite(what: &'static str, index: usize, value: f64) -> Result<(), LcpError> {
+    if value.is_finite() { Ok(()) } else { Err(LcpError::NotFinite { what, index }) }
+}
+
+fn in_range(what: &'static str, index: usize, value: f64, valid: bool) -> Result<(), LcpError> {
+    if valid { Ok(()) } else { Err(LcpError::OutOfRange { what, index, value }) }
+}

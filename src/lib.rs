@@ -1,0 +1,32 @@
+#![doc = include_str!("../README.md")]
+
+pub use tangency_collision as collision;
+pub use tangency_core as core;
+pub use tangency_diff as diff;
+pub use tangency_lcp as lcp;
+#[cfg(feature = "ipm")]
+pub use tangency_lcp_ipm as lcp_ipm;
+
+mod scene_file;
+
+pub use scene_file::{
+    Place, SceneFileError, SceneFormat, load_scene, parse_scene, read_scene, scene_to_json,
+    scene_to_toml,
+};
+pub use tangency_core::*;
+
+/// The solver for who does not care which: the first of [`solvers`].
+#[cfg(feature = "ipm")]
+#[must_use]
+pub fn default_solver() -> Box<dyn LcpSolver> {
+    Box::new(tangency_lcp_ipm::InteriorPoint::default())
+}
+
+/// Every solver that this build has, best first; empty if no backend's feature is on.
+#[must_use]
+pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
+    vec![
+        #[cfg(feature = "ipm")]
+        Box::new(tangency_lcp_ipm::InteriorPoint::default()),
+    ]
+}
