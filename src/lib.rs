@@ -14,6 +14,10 @@ pub use scene_file::{
     scene_to_toml,
 };
 pub use tangency_core::*;
+pub use tangency_diff::{
+    Gradient, GradientReport, Parameter, RolloutVector, SceneVector, StateVector, gradient, tangent,
+};
+pub use tangency_lcp::LcpSolver;
 
 /// The solver for who does not care which: the first of [`solvers`].
 #[cfg(feature = "ipm")]

@@ -1,1 +1,8 @@
-//! bench
+//! What tests, examples and benchmarks share: named scenes, and the finite difference.
+//!
+//! Nothing here is part of the engine. [`finite_difference`] is the only place of the repository
+//! that approximates a derivative by differences; [`scenes`] holds the scenes of the validation
+//! cases, of the paper's experiment, and some small machines.
+
+pub mod finite_difference;
+pub mod scenes;

@@ -195,7 +195,9 @@ fn corners(shape: &Shape) -> Vec<[f64; 2]> {
                 .map(|[u, v]| [x + c * u - s * v, y + s * u + c * v])
                 .into()
         }
-        Shape::Polygon { points } => tangency::collision::convex_hull(points),
+        Shape::Polygon { points } => {
+            tangency::collision::convex_hull(points).into_iter().map(|i| points[i]).collect()
+        }
         Shape::Circle { .. } | Shape::Capsule { .. } | Shape::HalfPlane { .. } => Vec::new(),
     }
 }

@@ -25,7 +25,7 @@ impl Collider {
             _ => shapes.iter().try_for_each(Shape::validate)?,
         }
         let outlines: Vec<Outline> = shapes.iter().map(Outline::new).collect();
-        let radius = outlines.iter().map(Outline::reach).fold(0.0, f64::max);
+        let radius = outlines.iter().map(|o| o.core_reach() + o.radius).fold(0.0, f64::max);
         Ok(Self { shapes: shapes.to_vec(), outlines, radius })
     }
 

@@ -3,6 +3,7 @@
 use crate::{
     Collider, CollisionError, Contact, ContactFeature, ContactId, Feature, Part, Pose,
     outline::Outline,
+    pose::Frame,
     select::{self, Pair, Seams},
     sweep,
     world::World,
@@ -20,7 +21,9 @@ pub struct Placed<'a> {
 /// All contacts with gap ≤ `reach` (m) between bodies for which `collide(i, j)`, i < j, holds.
 ///
 /// Body a of a contact has the lower index, and contacts are in the order of their identifiers.
-/// Edges that face each other have two contacts, other pairs of shapes one. Two half-planes have none.
+/// Edges that face each other have two contacts as far as both ends are within reach, other pairs of
+/// shapes one. Two half-planes have none, and so has a polygon that is flush (to a millionth of its
+/// size) with another's edge but beyond the end of it: it slides over seams between plates.
 ///
 /// `collide` is asked only about pairs whose boxes are within reach.
 ///
@@ -44,11 +47,11 @@ pub fn contacts(
             between(bodies, &world, [i, j], reach, &mut found)?;
         }
     }
-    found.sort_unstable_by_key(|contact: &Contact| contact.feature.id);
+    debug_assert!(found.is_sorted_by_key(|contact| contact.feature.id));
     Ok(found)
 }
 
-/// Appends the contacts of one pair of bodies.
+/// Appends the contacts of one pair of bodies, in the order of their identifiers.
 fn between(
     bodies: &[Placed<'_>],
     world: &World,
@@ -56,7 +59,7 @@ fn between(
     reach: f64,
     found: &mut Vec<Contact>,
 ) -> Result<(), CollisionError> {
-    let (a, b) = (&bodies[i], &bodies[j]);
+    let colliders = [bodies[i].collider, bodies[j].collider];
     let indices = [body_number(i), body_number(j)];
     for (k, view_a) in (0..).zip(world.views(i)) {
         for (l, view_b) in (0..).zip(world.views(j)) {
@@ -65,7 +68,7 @@ fn between(
             }
             for parts in select::select(&view_a, &view_b, reach, Seams::Skip).iter() {
                 let id = ContactId { bodies: indices, shapes: [k, l], parts };
-                let contact = contact(a, b, id)?;
+                let contact = contact(colliders, [world.frame(i), world.frame(j)], id)?;
                 if contact.gap <= reach {
                     found.push(contact);
                 }
@@ -77,15 +80,15 @@ fn between(
 
 /// The named contact, evaluated where the bodies are.
 pub(crate) fn contact(
-    a: &Placed<'_>,
-    b: &Placed<'_>,
+    [a, b]: [&Collider; 2],
+    [frame_a, frame_b]: [&Frame; 2],
     id: ContactId,
 ) -> Result<Contact, CollisionError> {
-    let core_a = &a.collider.outlines()[usize::from(id.shapes[0])];
-    let core_b = &b.collider.outlines()[usize::from(id.shapes[1])];
+    let core_a = &a.outlines()[usize::from(id.shapes[0])];
+    let core_b = &b.outlines()[usize::from(id.shapes[1])];
     let feature = geometry(core_a, core_b, id.parts);
     let radii = [core_a.radius, core_b.radius];
-    let contact = ContactFeature { id, feature, radii }.evaluate(&a.pose, &b.pose);
+    let contact = ContactFeature { id, feature, radii }.evaluate_in(frame_a, frame_b);
     if contact.normal.x.is_finite() {
         return Ok(contact);
     }

@@ -13,7 +13,7 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use crate::{ContactFeature, Feature, Pose, pose};
+use crate::{ContactFeature, Feature, Pose, pose::Frame};
 
 /// A contact at given poses.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +31,7 @@ pub struct Contact {
 impl ContactFeature {
     /// Point, normal and gap of these features at the poses of bodies a and b.
     ///
-    /// With x = p + R(θ) l for every local point l, and r_a, r_b the radii:
+    /// With x = p + R(θ) l for every local point l, and r the radii:
     ///
     /// ```text
     /// Points   r = x_b − x_a,  d = |r|     n = r/d       gap = d − r_a − r_b
@@ -44,24 +44,29 @@ impl ContactFeature {
     /// The normal of coincident `Points` is not a number; [`contacts`](crate::contacts) refuses them.
     #[must_use]
     pub fn evaluate(&self, a: &Pose, b: &Pose) -> Contact {
+        self.evaluate_in(&Frame::new(a), &Frame::new(b))
+    }
+
+    /// `evaluate`, where sines and cosines are at hand.
+    pub(crate) fn evaluate_in(&self, a: &Frame, b: &Frame) -> Contact {
         let [r_a, r_b] = self.radii;
         let (point, normal, gap) = match &self.feature {
             Feature::Points { a: l_a, b: l_b } => {
-                let (x_a, x_b) = (pose::point(a, l_a), pose::point(b, l_b));
+                let (x_a, x_b) = (a.point(l_a), b.point(l_b));
                 let r = x_b - x_a;
                 let d = r.norm();
                 let (n, gap) = (r / d, d - r_a - r_b);
                 (x_a + n * (r_a + gap / 2.0), n, gap)
             }
             Feature::LineA { point, normal, b: l_b } => {
-                let (x_l, x_b) = (pose::point(a, point), pose::point(b, l_b));
-                let n = pose::direction(a, normal);
+                let (x_l, x_b) = (a.point(point), b.point(l_b));
+                let n = a.direction(normal);
                 let gap = n.dot(&(x_b - x_l)) - r_a - r_b;
                 (x_b - n * (r_b + gap / 2.0), n, gap)
             }
             Feature::LineB { a: l_a, point, normal } => {
-                let (x_a, x_l) = (pose::point(a, l_a), pose::point(b, point));
-                let n = -pose::direction(b, normal);
+                let (x_a, x_l) = (a.point(l_a), b.point(point));
+                let n = -b.direction(normal);
                 let gap = n.dot(&(x_l - x_a)) - r_a - r_b;
                 (x_a + n * (r_a + gap / 2.0), n, gap)
             }

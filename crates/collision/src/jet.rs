@@ -3,7 +3,10 @@
 use nalgebra::{Matrix2x6, RowVector2, RowVector6, SMatrix, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::{Contact, ContactFeature, Feature, Pose, pose, pose::perp};
+use crate::{
+    Contact, ContactFeature, Feature, Pose,
+    pose::{Frame, perp},
+};
 
 /// A contact with its first derivatives, features held fixed.
 ///
@@ -13,9 +16,9 @@ use crate::{Contact, ContactFeature, Feature, Pose, pose, pose::perp};
 pub struct ContactJet {
     /// The value.
     pub contact: Contact,
-    /// 4 × 6, with respect to (x_a, y_a, θ_a, x_b, y_b, θ_b) in (m, m, rad, m, m, rad).
+    /// 4 × 6, with respect to the poses (x, y, θ) of a and then of b, (m, m, rad).
     pub pose: SMatrix<f64, 4, 6>,
-    /// 4 × 2, with respect to the radii (r_a, r_b), m.
+    /// 4 × 2, with respect to the radii of a and of b, m.
     pub radii: SMatrix<f64, 4, 2>,
 }
 
@@ -36,7 +39,8 @@ impl ContactFeature {
     /// The term t·w dψ is zero for `Points`, where w = r is along n, so one formula serves all.
     #[must_use]
     pub fn jet(&self, a: &Pose, b: &Pose) -> ContactJet {
-        let contact = self.evaluate(a, b);
+        let (a, b) = (Frame::new(a), Frame::new(b));
+        let contact = self.evaluate_in(&a, &b);
         let n = contact.normal;
         let t = perp(&n);
         // The two points whose difference w the gap measures.
@@ -45,8 +49,9 @@ impl ContactFeature {
             Feature::LineA { point, b, .. } => (point, b),
             Feature::LineB { a, point, .. } => (a, point),
         };
-        let (x_a, x_b) = (pose::point(a, l_a), pose::point(b, l_b));
-        let (w, dx_a, dx_b) = (x_b - x_a, motion(0, &(x_a - a.xy())), motion(3, &(x_b - b.xy())));
+        let (x_a, x_b) = (a.point(l_a), b.point(l_b));
+        let (w, dx_a, dx_b) =
+            (x_b - x_a, motion(0, &(x_a - a.origin)), motion(3, &(x_b - b.origin)));
         let dw = dx_b - dx_a;
         let dpsi = match &self.feature {
             Feature::Points { .. } => t.transpose() * dw / w.norm(),
@@ -92,7 +97,11 @@ fn stack(
     all
 }
 
-/// dgap = −1 for both radii, so dpoint = ±n (dr_own − (dr_a + dr_b)/2): half out, half in.
+/// Derivatives by the radii: dgap = −1 for both, and half the normal, out for the own one.
+///
+/// ```text
+/// dpoint = ±n (dr_own + dgap/2),   dgap = −dr_a − dr_b
+/// ```
 fn radii(outward: &Vector2<f64>, own: usize) -> SMatrix<f64, 4, 2> {
     let mut all = SMatrix::<f64, 4, 2>::zeros();
     for side in 0..2 {

@@ -13,36 +13,50 @@
 //! Conventions: world frame and SI units unless a name says `local`; the normal points from body a to
 //! body b; the gap is positive when apart; angles are counter-clockwise in radians.
 //!
-//! Reading order: [`pose`], `shape`, `mass`, `hull`, `outline` and `collider` say what bodies look
-//! like; `feature`, `evaluate` and `jet` what a contact is; `world`, `sweep`, `select` and `detect`
-//! how contacts are found; `impact` when moving bodies first touch.
+//! ```
+//! use tangency_collision::{Collider, Placed, Pose, Shape, contacts};
+//!
+//! let ball = Collider::new(&[Shape::Circle { radius: 0.5, center: [0.0, 0.0] }])?;
+//! let floor = Collider::new(&[Shape::HalfPlane { normal: [0.0, 1.0], offset: 0.0 }])?;
+//! let (a, b) = (Pose::new(0.0, 0.0, 0.0), Pose::new(3.0, 0.75, 0.0));
+//! let bodies = [Placed { collider: &floor, pose: a }, Placed { collider: &ball, pose: b }];
+//!
+//! let found = contacts(&bodies, 0.3, &|_, _| true)?;
+//! assert_eq!(found[0].gap, 0.25);
+//! // Lifting the ball opens the gap, turning it does not.
+//! let jet = found[0].feature.jet(&a, &b);
+//! assert_eq!((jet.pose[(3, 4)], jet.pose[(3, 5)]), (1.0, 0.0));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Reading order: `pose`; `shape`, `hull`, `mass`, `outline` and `collider` say what bodies look
+//! like; `feature`, `evaluate` and `jet` what a contact is; `detect`, `world`, `sweep`, `select`,
+//! `pairing` and `edge` how contacts are found; `impact` when moving bodies first touch.
+//!
+//! Parry is the second opinion of the tests and not a dependency: `select` and `impact` say why.
 
 pub mod pose;
 
-mod error;
-mod shape;
-
+// What bodies look like,
+mod collider;
 mod hull;
 mod mass;
 mod outline;
-
-mod collider;
-
-mod feature;
-
+mod shape;
+// what a contact is,
 mod evaluate;
-
+mod feature;
 mod jet;
-
-mod world;
-
-mod sweep;
-
-mod select;
-
+// how contacts and impacts are found,
 mod detect;
-
+mod edge;
 mod impact;
+mod pairing;
+mod select;
+mod sweep;
+mod world;
+// and what can be wrong.
+mod error;
 
 pub use collider::Collider;
 pub use detect::{Placed, contacts};

@@ -46,12 +46,12 @@ impl Outline {
         }
     }
 
-    /// Greatest distance of a point of the shape from the body's origin, m.
-    pub(crate) fn reach(&self) -> f64 {
+    /// Greatest distance of a point of the core from the body's origin, m.
+    pub(crate) fn core_reach(&self) -> f64 {
         if self.unbounded {
             return f64::INFINITY;
         }
-        self.vertices.iter().map(Vector2::norm).fold(0.0, f64::max) + self.radius
+        self.vertices.iter().map(Vector2::norm).fold(0.0, f64::max)
     }
 
     fn core(vertices: Vec<Vector2<f64>>, radius: f64) -> Self {

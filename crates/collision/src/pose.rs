@@ -5,16 +5,49 @@ use nalgebra::{Vector2, Vector3};
 /// Position of a body's origin and its angle, (x, y, θ) in (m, m, rad).
 pub type Pose = Vector3<f64>;
 
+/// A pose with its sine and cosine, which cost more than all else that is done with them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    /// Origin, m.
+    pub(crate) origin: Vector2<f64>,
+    sin: f64,
+    cos: f64,
+}
+
+impl Frame {
+    /// The frame at a pose.
+    pub(crate) fn new(pose: &Pose) -> Self {
+        let (sin, cos) = pose.z.sin_cos();
+        Self { origin: pose.xy(), sin, cos }
+    }
+
+    /// p + R(θ) l.
+    pub(crate) fn point(&self, local: &Vector2<f64>) -> Vector2<f64> {
+        self.origin + self.direction(local)
+    }
+
+    /// R(θ) l.
+    pub(crate) fn direction(&self, local: &Vector2<f64>) -> Vector2<f64> {
+        let (s, c) = (self.sin, self.cos);
+        Vector2::new(c * local.x - s * local.y, s * local.x + c * local.y)
+    }
+
+    /// R(θ)ᵀ x.
+    fn local_direction(&self, world: &Vector2<f64>) -> Vector2<f64> {
+        Self { sin: -self.sin, ..*self }.direction(world)
+    }
+}
+
 /// World position of a point of the body, x = p + R(θ) l, m.
 #[must_use]
 pub fn point(pose: &Pose, local: &Vector2<f64>) -> Vector2<f64> {
-    pose.xy() + direction(pose, local)
+    Frame::new(pose).point(local)
 }
 
 /// World components of a vector of the body, R(θ) l.
 #[must_use]
 pub fn direction(pose: &Pose, local: &Vector2<f64>) -> Vector2<f64> {
-    rotate(pose.z, local)
+    Frame::new(pose).direction(local)
 }
 
 /// Position in the body's frame of a point of the world, l = R(θ)ᵀ (x − p), m.
@@ -26,7 +59,7 @@ pub fn local_point(pose: &Pose, world: &Vector2<f64>) -> Vector2<f64> {
 /// Components in the body's frame of a vector of the world, R(θ)ᵀ x.
 #[must_use]
 pub fn local_direction(pose: &Pose, world: &Vector2<f64>) -> Vector2<f64> {
-    rotate(-pose.z, world)
+    Frame::new(pose).local_direction(world)
 }
 
 /// The vector turned by a quarter counter-clockwise, (−y, x).
@@ -42,9 +75,4 @@ pub fn perp(v: &Vector2<f64>) -> Vector2<f64> {
 pub fn compose(parent: &Pose, child: &Pose) -> Pose {
     let p = point(parent, &child.xy());
     Pose::new(p.x, p.y, parent.z + child.z)
-}
-
-fn rotate(angle: f64, v: &Vector2<f64>) -> Vector2<f64> {
-    let (s, c) = angle.sin_cos();
-    Vector2::new(c * v.x - s * v.y, s * v.x + c * v.y)
 }

@@ -96,7 +96,9 @@ impl Shape {
 
     /// Area, centroid and second moment; `None` for a half-plane.
     ///
-    /// The shape must be valid ([`Shape::validate`]).
+    /// # Panics
+    ///
+    /// May panic on a shape that [`Shape::validate`] refuses.
     #[must_use]
     pub fn mass_properties(&self) -> Option<MassProperties> {
         match self {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use crate::{Placed, outline::Outline, pose};
+use crate::{Placed, outline::Outline, pose::Frame};
 
 /// Every outline of every body in the world frame, in flat arrays.
 pub(crate) struct World {
@@ -13,6 +13,7 @@ pub(crate) struct World {
     pieces: Vec<Piece>,
     /// Which pieces are whose, per body.
     bodies: Vec<Range<usize>>,
+    frames: Vec<Frame>,
 }
 
 /// One placed outline.
@@ -59,11 +60,13 @@ impl World {
             normals: Vec::new(),
             pieces: Vec::new(),
             bodies: Vec::with_capacity(bodies.len()),
+            frames: Vec::with_capacity(bodies.len()),
         };
         for body in bodies {
-            let first = world.pieces.len();
-            body.collider.outlines().iter().for_each(|outline| world.place(outline, body));
+            let (first, frame) = (world.pieces.len(), Frame::new(&body.pose));
+            body.collider.outlines().iter().for_each(|outline| world.place(outline, &frame));
             world.bodies.push(first..world.pieces.len());
+            world.frames.push(frame);
         }
         world
     }
@@ -80,6 +83,11 @@ impl World {
         })
     }
 
+    /// The frame of one body.
+    pub(crate) fn frame(&self, body: usize) -> &Frame {
+        &self.frames[body]
+    }
+
     /// A box around each body.
     pub(crate) fn bounds(&self) -> Vec<Bounds> {
         let of = |pieces: &Range<usize>| {
@@ -89,18 +97,14 @@ impl World {
         self.bodies.iter().map(of).collect()
     }
 
-    fn place(&mut self, outline: &Outline, body: &Placed<'_>) {
+    fn place(&mut self, outline: &Outline, frame: &Frame) {
         let (v, n) = (self.vertices.len(), self.normals.len());
-        // One sine and cosine for all points; `pose::point` would take one each.
-        let (x, y) = (Vector2::new(1.0, 0.0), Vector2::new(0.0, 1.0));
-        let (x, y) = (pose::direction(&body.pose, &x), pose::direction(&body.pose, &y));
-        let turned = |l: &Vector2<f64>| x * l.x + y * l.y;
-        let origin = body.pose.xy();
-        self.vertices.extend(outline.vertices.iter().map(|l| origin + turned(l)));
-        self.normals.extend(outline.normals.iter().map(turned));
-        let bounds = match outline.unbounded {
-            true => Bounds::EVERYTHING,
-            false => Bounds::around(&self.vertices[v..]).grown(outline.radius),
+        self.vertices.extend(outline.vertices.iter().map(|l| frame.point(l)));
+        self.normals.extend(outline.normals.iter().map(|n| frame.direction(n)));
+        let bounds = if outline.unbounded {
+            Bounds::EVERYTHING
+        } else {
+            Bounds::around(&self.vertices[v..]).grown(outline.radius)
         };
         self.pieces.push(Piece {
             vertices: v..self.vertices.len(),

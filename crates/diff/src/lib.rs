@@ -1,1 +1,32 @@
-//! diff
+//! Derivatives of the complementarity problem, of steps, and of whole rollouts.
+//!
+//! Differentiated is everything that enters a step: initial state, controls, masses, inertias,
+//! friction, restitution, radii, gravity, anchors, lengths, motors, limits, springs, forces, dt.
+//! Held fixed are discrete choices: which features touch, and on which piece of its law each row
+//! lies. At a switch the derivative is one-sided, and [`GradientReport`] says so.
+//!
+//! Needed are only the problem and its solution, whichever solver found it: the modules mirror the
+//! engine's stages, and none looks inside a solver. The formulas are in `docs/maths.md`, section 5.
+
+// In reading order: one problem,
+pub mod lcp;
+// what it was assembled from,
+mod contact_row;
+mod island;
+mod joint_row;
+mod momentum;
+mod vector;
+// steps and rollouts,
+mod error;
+mod report;
+mod rollout;
+mod step;
+// and names for parameters.
+mod parameter;
+
+pub use error::DiffError;
+pub use parameter::{Parameter, ParameterError};
+pub use report::{GradientReport, OneSided};
+pub use rollout::{Gradient, gradient, tangent};
+pub use step::{step_jvp, step_vjp};
+pub use vector::{BodyVector, JointVector, RolloutVector, SceneVector, StateVector};

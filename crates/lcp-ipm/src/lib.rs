@@ -10,5 +10,9 @@ mod newton;
 mod mehrotra;
 mod lemke;
 mod pivoting;
+mod feasibility;
+mod raw;
+mod raw_active;
 
 pub use solve::InteriorPoint;
+pub use raw::{RawLcp, RawSolution, solve_raw};

@@ -3,18 +3,38 @@
 use crate::box_form::BoxForm;
 use crate::newton::{Iterate, Newton};
 
-/// Share of the step to the boundary that is taken.
-const TO_BOUNDARY: f64 = 0.995;
 /// Products are not driven below this; smaller ones cost accuracy at grazing contacts.
 const LEAST_PRODUCT: f64 = 1e-26;
-/// Iterations without a new least residual, or with hardly a step, after which the loop gives up.
-const PATIENCE: u32 = 12;
+
+/// How boldly the loop goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pace {
+    /// Impulses at the start.
+    pub(crate) start: f64,
+    /// Share of the step to the boundary that is taken.
+    pub(crate) to_boundary: f64,
+    /// Least centring σ.
+    pub(crate) centring: f64,
+    /// Whether the corrector's second-order terms are used.
+    pub(crate) second_order: bool,
+    /// Iterations without a new least residual after which the loop gives up.
+    pub(crate) patience: u32,
+}
+
+/// Mehrotra's choices: fast where the path is smooth.
+pub(crate) const BOLD: Pace =
+    Pace { start: 1.0, to_boundary: 0.995, centring: 0.0, second_order: true, patience: 12 };
+/// Short steps near the central path: slow, and often successful where the bold loop jams.
+pub(crate) const CAREFUL: Pace =
+    Pace { start: 10.0, to_boundary: 0.9, centring: 0.2, second_order: false, patience: 25 };
+/// Steps shorter than 0.02 in a row after which the loop gives up.
 const SHORT_STEPS: u32 = 4;
 
 /// The running loop: one call of [`advance`](Self::advance) is one iteration.
 #[derive(Debug)]
 pub(crate) struct Loop<'a> {
     form: &'a BoxForm,
+    pace: Pace,
     at: Iterate,
     u: Vec<f64>,
     /// Least natural residual so far.
@@ -27,12 +47,12 @@ pub(crate) struct Loop<'a> {
 }
 
 impl<'a> Loop<'a> {
-    pub(crate) fn new(form: &'a BoxForm) -> Self {
-        let at = Iterate::start(form);
+    pub(crate) fn new(form: &'a BoxForm, pace: Pace) -> Self {
+        let at = Iterate::start(form, pace.start);
         let u = form.remainders(&at.y);
         let best = form.residual(&at.y, &u);
         let best_y = at.y.clone();
-        Self { form, at, u, best, best_y, since_best: 0, short: 0, iterations: 0 }
+        Self { form, pace, at, u, best, best_y, since_best: 0, short: 0, iterations: 0 }
     }
 
     /// Current unknowns.
@@ -48,7 +68,7 @@ impl<'a> Loop<'a> {
     /// One iteration; false if the loop has nothing more to give.
     pub(crate) fn advance(&mut self) -> bool {
         let step = self.direction();
-        let length = TO_BOUNDARY * self.at.longest(self.form, &step, 1.0 / TO_BOUNDARY);
+        let length = self.pace.to_boundary * self.at.longest(self.form, &step, 1.0 / self.pace.to_boundary);
         if !length.is_finite() || step.y.iter().any(|dy| !dy.is_finite()) {
             return false;
         }
@@ -64,7 +84,7 @@ impl<'a> Loop<'a> {
         } else {
             self.since_best += 1;
         }
-        self.short < SHORT_STEPS && self.since_best < PATIENCE && residual.is_finite()
+        self.short < SHORT_STEPS && self.since_best < self.pace.patience && residual.is_finite()
     }
 
     /// Predictor, centring σ = (μ_aff/μ)³, corrector.
@@ -76,9 +96,10 @@ impl<'a> Loop<'a> {
         let mut ahead = self.at.clone();
         ahead.advance(self.form, &predictor, affine);
         let ratio = (ahead.mean_product(self.form) / product).clamp(0.0, 1.0);
-        let centring = ratio.powi(3);
-        if affine < 0.1 {
-            newton.step((centring.max(0.3) * product).max(LEAST_PRODUCT), None)
+        let centring = ratio.powi(3).max(self.pace.centring);
+        if affine < 0.1 || !self.pace.second_order {
+            let centring = if affine < 0.1 { centring.max(0.3) } else { centring };
+            newton.step((centring * product).max(LEAST_PRODUCT), None)
         } else {
             newton.step((centring * product).max(LEAST_PRODUCT), Some(&predictor))
         }

@@ -34,8 +34,8 @@ pub(crate) struct Iterate {
 }
 
 impl Iterate {
-    /// Impulses of one, slacks of about one.
-    pub(crate) fn start(form: &BoxForm) -> Self {
+    /// Impulses of `size`, slacks of about one.
+    pub(crate) fn start(form: &BoxForm, size: f64) -> Self {
         let mut iterate =
             Self { y: vec![0.0; form.len()], pairs: vec![[Pair::default(); 2]; form.len()] };
         for (slot, law) in form.laws.iter().enumerate() {
@@ -43,8 +43,8 @@ impl Iterate {
             match *law {
                 BoxLaw::Free => {}
                 BoxLaw::Positive => {
-                    iterate.y[slot] = 1.0;
-                    iterate.pairs[slot][0] = Pair { x: 1.0, z: u.abs().max(1.0) };
+                    iterate.y[slot] = size;
+                    iterate.pairs[slot][0] = Pair { x: size, z: u.abs().max(1.0) };
                 }
                 BoxLaw::Bounded { max: bound } | BoxLaw::Friction { mu: bound, .. } => {
                     let s = bound.max(0.01);

@@ -1,11 +1,16 @@
-//! The box form as a standard complementarity problem for Lemke's method.
+//! The box form as a standard complementarity problem for Lemke's method (Stewart & Trinkle 1996).
 //!
 //! ```text
-//!  free unknowns    y of equalities and of box rows       equations  u = 0,   u + w⁺ − w⁻ = 0
-//!  pairs            y ⟂ u of positive rows;   w⁺ ⟂ s⁺,   w⁻ ⟂ s⁻ of box rows,   s± = h ∓ y
+//!  E free unknowns, N the others; W_EE⁺ the pseudo-inverse
+//!  W' = W_NN − W_NE W_EE⁺ W_EN           q' = q_N − W_NE W_EE⁺ q_E           u_N = W' y_N + q'
+//!
+//!  positive    y ⟂ u
+//!  box         y = y⁺ − y⁻;     y⁺ ⟂ γ + u,     y⁻ ⟂ γ − u,     γ ⟂ h − y⁺ − y⁻
 //! ```
 //!
-//! The free unknowns are eliminated, (W_FF + δ I) y_F = −(q_F + W_FP z), which leaves pairs only.
+//! With two non-negative parts per box unknown the matrix is copositive for mechanical problems, for
+//! which Lemke's method ends in a solution if the constraints allow rest; and its entries stay
+//! moderate where rows depend on each other.
 
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
@@ -14,12 +19,12 @@ use nalgebra::{DMatrix, DVector};
 use crate::box_form::{BoxForm, BoxLaw};
 use crate::lemke::{Outcome, lemke};
 
-/// δ, relative to the unit diagonal of W.
-const PROXIMAL: f64 = 1e-10;
+/// Singular values of W_EE below this count as zero.
+const DEPENDENT: f64 = 1e-9;
 /// Above this number of pairs a dense tableau costs too much.
 const MOST_PAIRS: usize = 700;
 /// Covering vectors tried.
-const ATTEMPTS: u64 = 4;
+const ATTEMPTS: u64 = 8;
 
 /// Candidates y from Lemke's method, one per attempt that ended in a solution.
 pub(crate) fn candidates(form: &BoxForm) -> impl Iterator<Item = (Vec<f64>, u32)> {
@@ -38,60 +43,33 @@ struct Standard {
 impl Standard {
     fn new(form: &BoxForm) -> Option<Self> {
         let n = form.len();
-        let positive: Vec<usize> = form.slots(|law| law == BoxLaw::Positive);
-        let free: Vec<usize> = form.slots(|law| law != BoxLaw::Positive);
-        let boxes: Vec<usize> =
-            form.slots(|law| !matches!(law, BoxLaw::Positive | BoxLaw::Free));
+        let E = form.slots(|law| law == BoxLaw::Free);
+        let N = form.slots(|law| law != BoxLaw::Free);
         let W = DMatrix::from_fn(n, n, |i, j| form.entry(i, j));
         let q = DVector::from_column_slice(&form.q);
-        let pairs = positive.len() + 2 * boxes.len();
+        let block = |rows: &[usize], columns: &[usize]| W.select_rows(rows).select_columns(columns);
+        let solve_E = if E.is_empty() {
+            DMatrix::zeros(0, 0)
+        } else {
+            -block(&E, &E).pseudo_inverse(DEPENDENT).ok()?
+        };
+        let y_E = &solve_E * block(&E, &N);
+        let y0_E = &solve_E * q.select_rows(&E);
+        let u = block(&N, &N) + block(&N, &E) * &y_E;
+        let u0 = q.select_rows(&N) + block(&N, &E) * &y0_E;
 
-        // y_F = −(W_FF + δ I)⁻¹ (q_F + W_FN y_N + (w⁺ − w⁻)), columns for y_N, w⁺, w⁻.
-        let W_FF = W.select_rows(&free).select_columns(&free)
-            + DMatrix::identity(free.len(), free.len()) * PROXIMAL;
-        let mut drive = DMatrix::zeros(free.len(), pairs);
-        drive
-            .columns_mut(0, positive.len())
-            .copy_from(&W.select_rows(&free).select_columns(&positive));
-        for (k, slot) in boxes.iter().enumerate() {
-            let row = free.binary_search(slot).ok()?;
-            drive[(row, positive.len() + 2 * k)] = 1.0;
-            drive[(row, positive.len() + 2 * k + 1)] = -1.0;
+        let T = split(form, &N);
+        let Y_N = &y_E * &T;
+        let (mut Y, mut y0) = (DMatrix::zeros(n, T.ncols()), DVector::zeros(n));
+        for (k, &slot) in E.iter().enumerate() {
+            Y.row_mut(slot).copy_from(&Y_N.row(k));
+            y0[slot] = y0_E[k];
         }
-        let factor = W_FF.lu();
-        let Y_F = -factor.solve(&drive)?;
-        let y0_F = -factor.solve(&DVector::from_iterator(free.len(), free.iter().map(|&i| q[i])))?;
-
-        let (mut Y, mut y0) = (DMatrix::zeros(n, pairs), DVector::zeros(n));
-        for (k, &slot) in free.iter().enumerate() {
-            Y.row_mut(slot).copy_from(&Y_F.row(k));
-            y0[slot] = y0_F[k];
+        for (k, &slot) in N.iter().enumerate() {
+            Y.row_mut(slot).copy_from(&T.row(k));
         }
-        for (k, &slot) in positive.iter().enumerate() {
-            Y[(slot, k)] = 1.0;
-        }
-        let (mut M, mut q_pairs) = (DMatrix::zeros(pairs, pairs), DVector::zeros(pairs));
-        let (u, u0) = (&W * &Y, &W * &y0 + q);
-        for (k, &slot) in positive.iter().enumerate() {
-            M.row_mut(k).copy_from(&u.row(slot));
-            q_pairs[k] = u0[slot];
-        }
-        for (k, &slot) in boxes.iter().enumerate() {
-            let at = positive.len() + 2 * k;
-            for (row, sign) in [(at, -1.0), (at + 1, 1.0)] {
-                M.row_mut(row).copy_from(&(sign * Y.row(slot)));
-                q_pairs[row] = sign * y0[slot];
-                match form.laws[slot] {
-                    BoxLaw::Bounded { max } => q_pairs[row] += max,
-                    BoxLaw::Friction { normal, mu } => {
-                        let column = positive.binary_search(&normal).ok()?;
-                        M[(row, column)] += mu;
-                    }
-                    BoxLaw::Free | BoxLaw::Positive => {}
-                }
-            }
-        }
-        Some(Self { M, q: q_pairs, Y, y0 })
+        let (M, q) = pairs(form, &N, &(u * T), &u0);
+        Some(Self { M, q, Y, y0 })
     }
 
     fn attempt(&self, attempt: u64) -> Option<(Vec<f64>, u32)> {
@@ -106,6 +84,63 @@ impl Standard {
             (Outcome::Ray | Outcome::Unfinished, _) => None,
         }
     }
+}
+
+/// First pair of each slot of N: one per positive slot, three per box slot.
+fn first_pairs<'a>(form: &'a BoxForm, N: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+    N.iter().scan(0, |next, &slot| {
+        let first = *next;
+        *next += if form.laws[slot] == BoxLaw::Positive { 1 } else { 3 };
+        Some(first)
+    })
+}
+
+/// y_N = T z.
+fn split(form: &BoxForm, N: &[usize]) -> DMatrix<f64> {
+    let pairs: usize = N.iter().map(|&slot| if form.laws[slot] == BoxLaw::Positive { 1 } else { 3 }).sum();
+    let mut T = DMatrix::zeros(N.len(), pairs);
+    for ((k, &slot), pair) in N.iter().enumerate().zip(first_pairs(form, N)) {
+        T[(k, pair)] = 1.0;
+        if form.laws[slot] != BoxLaw::Positive {
+            T[(k, pair + 1)] = -1.0;
+        }
+    }
+    T
+}
+
+/// M and q of the pairs, from u = `along` z + `u0`.
+fn pairs(
+    form: &BoxForm,
+    N: &[usize],
+    along: &DMatrix<f64>,
+    u0: &DVector<f64>,
+) -> (DMatrix<f64>, DVector<f64>) {
+    let count = along.ncols();
+    let (mut M, mut q) = (DMatrix::zeros(count, count), DVector::zeros(count));
+    let first: Vec<usize> = first_pairs(form, N).collect();
+    for (k, &slot) in N.iter().enumerate() {
+        let pair = first[k];
+        M.row_mut(pair).copy_from(&along.row(k));
+        q[pair] = u0[k];
+        if form.laws[slot] == BoxLaw::Positive {
+            continue;
+        }
+        M.row_mut(pair + 1).copy_from(&-along.row(k));
+        q[pair + 1] = -u0[k];
+        for part in [pair, pair + 1] {
+            M[(part, pair + 2)] += 1.0;
+            M[(pair + 2, part)] -= 1.0;
+        }
+        match form.laws[slot] {
+            BoxLaw::Bounded { max } => q[pair + 2] = max,
+            BoxLaw::Friction { normal, mu } => {
+                let column = N.binary_search(&normal).map(|k| first[k]);
+                M[(pair + 2, column.expect("normal rows are positive"))] += mu;
+            }
+            BoxLaw::Free | BoxLaw::Positive => {}
+        }
+    }
+    (M, q)
 }
 
 /// A fixed irregular number in [0, 1); 0 for the first attempt.

@@ -6,7 +6,8 @@ use tangency_lcp::{
 };
 
 use crate::box_form::BoxForm;
-use crate::mehrotra::Loop;
+use crate::feasibility::conflict;
+use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
 use crate::pivoting;
 
 /// Interior-point solver with active-set polish.
@@ -24,11 +25,15 @@ pub struct InteriorPoint {
     pub max_iterations: u32,
     /// Greatest number of mode corrections per attempt of the active-set loop. Default 8.
     pub max_flips: u32,
+    /// Whether a failure is followed by a test for conflicting constraints, which costs two more
+    /// solves of an easier problem. Default true.
+    pub tell_infeasible: bool,
 }
 
 impl Default for InteriorPoint {
     fn default() -> Self {
-        Self { tolerance: 1e-12, acceptance: 1e-10, max_iterations: 60, max_flips: 8 }
+        let (tolerance, acceptance) = (1e-12, 1e-10);
+        Self { tolerance, acceptance, max_iterations: 60, max_flips: 8, tell_infeasible: true }
     }
 }
 
@@ -109,23 +114,25 @@ impl Search<'_> {
     /// The stages that need the rows' matrix.
     fn enclosed(&mut self) -> bool {
         let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
-        self.interior(&form) || self.pivoting(&form)
+        self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.pivoting(&form)
     }
 
     fn pivoting(&mut self, form: &BoxForm) -> bool {
+        self.polish.max_flips *= 5;
         pivoting::candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;
             self.polish_at(form, &y, &mut None)
         })
     }
 
-    fn interior(&mut self, form: &BoxForm) -> bool {
-        let mut path = Loop::new(form);
+    fn interior(&mut self, form: &BoxForm, pace: Pace) -> bool {
+        let before = self.stats.iterations;
+        let mut path = Loop::new(form, pace);
         let mut tried: Option<Vec<Mode>> = None;
         while path.iterations < self.settings.max_iterations {
             let going = path.advance();
             self.stats.factorisations += 1;
-            self.stats.iterations = path.iterations;
+            self.stats.iterations = before + path.iterations;
             let y = if going { path.y() } else { path.best_y() };
             if (path.best < 0.1 || !going) && self.polish_at(form, y, &mut tried) {
                 return true;
@@ -159,7 +166,13 @@ impl Search<'_> {
         if reached || residual <= self.settings.acceptance {
             Ok(LcpSolution { stats: self.stats, ..best.solution })
         } else {
-            Err(LcpError::NotConverged { iterations, residual })
+            let conflict = self.settings.tell_infeasible.then(|| {
+                conflict(self.polish.problem, &self.settings)
+            });
+            match conflict.flatten() {
+                Some(residual) => Err(LcpError::Infeasible { residual }),
+                None => Err(LcpError::NotConverged { iterations, residual }),
+            }
         }
     }
 }

@@ -35,5 +35,3 @@ pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
 
-#[cfg(test)]
-mod tests;

@@ -21,19 +21,20 @@ impl Reading<'_> {
     }
 
     /// The mode that the natural map's piece at (ŷ, û) has. Closed contacts with ŷ < `release` · s*
-    /// are opened.
+    /// are opened, open ones with û − ŷ < `touch` · s* closed.
     ///
     /// ```text
     ///  unilateral   active  if ŷ > û
     ///  bounded      upper   if ŷ − û > ĥ,   lower if ŷ − û < −ĥ,   else active
     /// ```
-    pub(crate) fn modes(&self, release: f64) -> Vec<Mode> {
+    pub(crate) fn modes(&self, release: f64, touch: f64) -> Vec<Mode> {
+        let (release, touch) = (release * self.metric.scale, touch * self.metric.scale);
         let mut modes = Vec::with_capacity(self.problem.rows.len());
         for (i, row) in self.problem.rows.iter().enumerate() {
             let (y, u) = self.scaled(i);
             let mode = match row.law {
                 Law::Equality => Mode::Active,
-                Law::Unilateral if y > u && y >= release * self.metric.scale => Mode::Active,
+                Law::Unilateral if y > u - touch && y >= release => Mode::Active,
                 Law::Unilateral => Mode::Open,
                 Law::Friction { normal, .. } if modes[normal as usize] == Mode::Open => Mode::Open,
                 Law::Bounded { .. } | Law::Friction { .. } => piece(y - u, self.bound_ahead(i)),

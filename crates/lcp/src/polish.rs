@@ -13,6 +13,8 @@ use crate::{ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Residual, SolveSt
 const KEEP: f64 = 1e-13;
 /// Impulses below this, relative to s*, count as none when a weakly active row is released.
 const WEAK: f64 = 1e-10;
+/// At the free velocities, contacts that part more slowly than this, relative to s*, count as closed.
+const TOUCH: f64 = 1e-9;
 /// Doubtful contacts are tried released below these impulses, relative to s*.
 const RELEASES: [f64; 3] = [0.0, 1e-7, 1e-4];
 
@@ -89,7 +91,7 @@ impl Polish<'_> {
         let mut tried: Vec<Vec<Mode>> = Vec::new();
         let mut best: Option<Polished> = None;
         for &release in releases {
-            let modes = reading.modes(release);
+            let modes = reading.modes(release, 0.0);
             if tried.contains(&modes) {
                 continue;
             }
@@ -106,7 +108,7 @@ impl Polish<'_> {
     #[must_use]
     pub fn read_modes(&self, approximate: &LcpSolution) -> Vec<Mode> {
         let slacks = self.problem.remainders(&approximate.velocities, &approximate.impulses);
-        self.reading(&approximate.impulses, &slacks).modes(0.0)
+        self.reading(&approximate.impulses, &slacks).modes(0.0, 0.0)
     }
 
     /// Modes that a row alone would take at the free velocities. With `slide`, friction slides where
@@ -115,7 +117,7 @@ impl Polish<'_> {
     pub fn cold_modes(&self, slide: bool) -> Vec<Mode> {
         let impulses = vec![0.0; self.problem.rows.len()];
         let slacks = self.problem.remainders(&self.problem.free_velocities(), &impulses);
-        let mut modes = self.reading(&impulses, &slacks).modes(0.0);
+        let mut modes = self.reading(&impulses, &slacks).modes(0.0, TOUCH);
         if !slide {
             for (mode, row) in modes.iter_mut().zip(&self.problem.rows) {
                 if matches!(row.law, Law::Friction { .. }) && *mode != Mode::Open {

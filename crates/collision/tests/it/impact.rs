@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
-use tangency_collision::{Placed, Pose, Shape, time_of_impact};
+use tangency_collision::{Collider, CollisionError, Placed, Pose, Shape, time_of_impact};
 
 use crate::support::{at, capsule, circle, collider, ground, rectangle};
 
@@ -65,6 +65,26 @@ fn a_falling_spinning_square_meets_a_slab() {
     let found = found.expect("an impact");
     assert!(lowest(found).abs() < 1e-10);
     assert!((0..1000).all(|k| lowest(found * f64::from(k) / 1000.0) > 0.0));
+}
+
+#[test]
+fn a_disc_that_skims_the_ground_is_soon_settled() {
+    // Conservative bounds that counted its spin would creep in steps of a nanosecond.
+    let skimming = (&circle(0.5), at(0.0, 0.5 + 1e-9, 0.0), [1.0, 0.0, 50.0]);
+    assert_eq!(impact((&ground(), at(0.0, 0.0, 0.0), REST), skimming, 1.0), None);
+}
+
+#[test]
+fn a_compound_touches_with_its_first_shape() {
+    let dumbbell = [-1.0, 1.0].map(|y| Shape::Circle { radius: 0.25, center: [0.0, y] });
+    let (dumbbell, floor) = (Collider::new(&dumbbell).expect("valid"), collider(&ground()));
+    let above = Placed { collider: &dumbbell, pose: at(0.0, 2.25, 0.0) };
+    let floor = Placed { collider: &floor, pose: at(0.0, 0.0, 0.0) };
+    let (falling, rest) = (Vector3::new(0.0, -2.0, 0.0), Vector3::zeros());
+    assert_eq!(time_of_impact(&above, &falling, &floor, &rest, 1.0), Ok(Some(0.5)));
+    let lost = Vector3::new(0.0, f64::NAN, 0.0);
+    let refused = time_of_impact(&above, &lost, &floor, &rest, 1.0);
+    assert!(matches!(refused, Err(CollisionError::NotFinite { what: "velocity", .. })));
 }
 
 #[test]

@@ -129,8 +129,10 @@ fn solid(shape: &Shape) -> Option<(math::Pose, SharedShape)> {
             SharedShape::cuboid(width / 2.0, height / 2.0),
         ),
         Shape::Polygon { points } => {
-            let points: Vec<_> = points.iter().map(vector).collect();
-            (math::Pose::IDENTITY, SharedShape::new(ConvexPolygon::from_convex_hull(&points)?))
+            // Parry's own hull drops vertices that stick out little.
+            let hull = convex_hull(points).into_iter().map(|i| vector(&points[i])).collect();
+            let polygon = ConvexPolygon::from_convex_polyline_unmodified(hull)?;
+            (math::Pose::IDENTITY, SharedShape::new(polygon))
         }
         Shape::Capsule { a, b, radius } => {
             (math::Pose::IDENTITY, SharedShape::capsule(vector(a), vector(b), *radius))

@@ -1,0 +1,20 @@
+//! Scenes with names: those of the validation cases (`V05` and so on), the paper's chain, and
+//! small machines that use every feature of the engine.
+//!
+//! All are plain definitions; whoever uses one may change its fields before building it.
+
+mod bodies;
+mod contacts;
+mod joints;
+mod machines;
+
+pub use bodies::{
+    block, disc, fixed_block, floor, hinge, material, plane, rod, slender_inertia, unit_scene,
+};
+pub use contacts::{
+    cradle, falling_disc, free_flight, head_on, incline_block, incline_disc, line_collision,
+    oblique_collision, redundant_floor, rod_hit, sliding_box, sliding_disc, spinning_disc, stack,
+    tipping_box,
+};
+pub use joints::{chain, doubled_hinge, hanging_chain_hit, paper_chain, pendulum};
+pub use machines::{compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart};

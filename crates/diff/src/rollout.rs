@@ -1,0 +1,67 @@
+//! Derivatives of whole rollouts: the tape read backwards, or directions carried along it.
+
+use tangency_core::{Rollout, Scene, State};
+
+use crate::error::DiffError;
+use crate::report::GradientReport;
+use crate::step::{step_jvp, step_vjp};
+use crate::vector::{RolloutVector, StateVector};
+
+/// The gradient of a loss over a rollout, and what was not smooth about it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Gradient {
+    /// By initial state, controls and the scene's numbers.
+    pub by: RolloutVector,
+    /// Steps at which the derivative is one-sided or impulses are not unique.
+    pub report: GradientReport,
+}
+
+/// Reverse mode over a rollout. `seed(k, state)` gives ∂L/∂(state k), k = 0 for the initial one;
+/// `None` where the loss does not see that state.
+///
+/// The cost does not depend on the number of parameters.
+///
+/// # Errors
+/// [`DiffError`] with the step at which the adjoint could not be taken.
+pub fn gradient(
+    scene: &Scene,
+    rollout: &Rollout,
+    mut seed: impl FnMut(usize, &State) -> Option<StateVector>,
+) -> Result<Gradient, DiffError> {
+    let steps = rollout.records.len();
+    let mut by = RolloutVector::zeros(scene, steps);
+    let mut report = GradientReport::default();
+    let mut bar = seed(steps, rollout.last()).unwrap_or_else(|| StateVector::like(rollout.last()));
+    for k in (0..steps).rev() {
+        let (before, record) = (rollout.state(k), &rollout.records[k]);
+        report.begin(k);
+        let control = &mut by.controls[k];
+        bar = step_vjp(scene, before, record, &bar, control, &mut by.scene, &mut report)
+            .map_err(|source| source.at(k))?;
+        if let Some(more) = seed(k, before) {
+            bar.add(&more);
+        }
+    }
+    by.initial = bar;
+    report.end();
+    Ok(Gradient { by, report })
+}
+
+/// Forward mode over a rollout: the change of every state (k = 0 … steps) along one direction.
+///
+/// # Errors
+/// As [`gradient`].
+pub fn tangent(
+    scene: &Scene,
+    rollout: &Rollout,
+    along: &RolloutVector,
+) -> Result<Vec<StateVector>, DiffError> {
+    let mut changes = vec![along.initial.clone()];
+    for (k, record) in rollout.records.iter().enumerate() {
+        let (before, control) = (rollout.state(k), &along.controls[k]);
+        let next = step_jvp(scene, before, record, &changes[k], control, &along.scene)
+            .map_err(|source| source.at(k))?;
+        changes.push(next);
+    }
+    Ok(changes)
+}
