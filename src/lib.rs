@@ -26,7 +26,20 @@ pub fn default_solver() -> Box<dyn LcpSolver> {
     Box::new(tangency_lcp_ipm::InteriorPoint::default())
 }
 
-/// Every solver that this build has, best first; empty if no backend's feature is on.
+/// Names of the backends that this build has, as the command line takes them: those of the
+/// features.
+pub const BACKENDS: &[&str] = &[
+    #[cfg(feature = "ipm")]
+    "ipm",
+];
+
+/// The solver of a backend's name, one of [`BACKENDS`].
+#[must_use]
+pub fn backend(name: &str) -> Option<Box<dyn LcpSolver>> {
+    BACKENDS.iter().zip(solvers()).find(|(known, _)| **known == name).map(|(_, solver)| solver)
+}
+
+/// Every solver that this build has, in the order of [`BACKENDS`]; empty if no backend's feature is on.
 #[must_use]
 pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
     vec![

@@ -70,7 +70,7 @@ fn unknown_keys_are_errors_with_a_suggestion() {
     );
     toml(
         &format!("{JOINT}[joints.kind]\nrevolute = {{ anchor = [0, 0], motor = {{ spid = 1 }} }}"),
-        "line 5, column 40: joints[0].kind.revolute.motor.spid: unknown field `spid`, expected \
+        "line 5, column 41: joints[0].kind.revolute.motor.spid: unknown field `spid`, expected \
          `speed` or `max`; did you mean `speed`?",
     );
 }
@@ -161,14 +161,14 @@ fn arrays_of_the_wrong_length_are_errors() {
 #[test]
 fn refused_values_are_found_in_the_text() {
     let disc = "shapes = [{ circle = { radius = 1.0 } }]\n";
-    toml("dt = -1.0", "line 1, column 1: dt is -1: must be positive and finite");
+    toml("dt = -1.0", "line 1, column 1: dt is -1: give a positive finite number");
     toml(
         &format!("{BODY}{disc}mass = -2.0"),
-        "line 4, column 1: bodies[0].mass is -2: must be positive and finite",
+        "line 4, column 1: bodies[0].mass is -2: give a positive finite number",
     );
     json(
         "{\"bodies\": [{\"name\": \"a\", \"shapes\": [{\"circle\": {\"radius\": 1}}],\n\"mass\": -2}]}",
-        "line 2, column 9: bodies[0].mass is -2: must be positive and finite",
+        "line 2, column 9: bodies[0].mass is -2: give a positive finite number",
     );
     toml(
         &format!("{BODY}{disc}\n[[bodies]]\nname = \"a\"\n{disc}"),
@@ -180,7 +180,7 @@ fn refused_values_are_found_in_the_text() {
              motor = {{ speed = 1, max = -2.0 }}"
         )
         .replace("\"b\"", "\"world\""),
-        "line 9, column 22: joints[0].kind.revolute.motor.max is -2: must be positive and finite",
+        "line 9, column 22: joints[0].kind.revolute.motor.max is -2: give a positive finite number",
     );
 }
 
@@ -200,8 +200,8 @@ fn files_are_named_in_errors() {
         format!("{file}: invalid type: boolean `true`, expected a number")
     );
     assert_eq!(
-        complain("scene.toml", &format!("{BODY}mass = -1.0")),
-        format!("{file} is -1: must be positive and finite")
+        complain("scene.toml", &format!("{BODY}mass = -1.0\nshapes = [{{ circle = {{ radius = 1 }} }}]")),
+        format!("{file} is -1: give a positive finite number")
     );
     assert_eq!(
         complain("scene.yaml", "dt: 1"),

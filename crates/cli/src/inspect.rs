@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tangency::lcp::LcpSolver;
-use tangency::{Scene, State, StepScratch, inspect, load_scene, step};
+use tangency::{LcpSolver, Scene, State, StepScratch, inspect, load_scene, step};
 
 use crate::args::not_negative;
 use crate::simulate::{find_solver, n_steps};
@@ -16,7 +15,7 @@ pub struct Arguments {
     /// Scene file, .toml or .json
     pub scene: PathBuf,
     /// Look at the state at this time, s
-    #[arg(long, default_value = "0", value_parser = not_negative)]
+    #[arg(long, default_value = "0", value_parser = not_negative, allow_negative_numbers = true)]
     pub time: f64,
     /// Solver for the steps up to that time
     #[arg(long, default_value = "ipm")]

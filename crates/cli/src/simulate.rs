@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use tangency::lcp::LcpSolver;
-use tangency::{Scene, StepScratch, load_scene, solvers, step};
+use tangency::{BACKENDS, LcpSolver, Scene, StepScratch, backend, load_scene, step};
 
 use crate::args::positive;
 use crate::replay::replay_html;
@@ -19,10 +18,10 @@ pub struct Arguments {
     /// Scene file, .toml or .json
     pub scene: PathBuf,
     /// How long to run, s [default: the scene's duration]
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// Time step, s [default: the scene's]
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     pub dt: Option<f64>,
     /// Folder for the files [default: out/<scene>]
     #[arg(long)]
@@ -70,9 +69,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
 /// # Errors
 /// [`Failure::UnknownBackend`] with the names there are.
 pub fn find_solver(name: &str) -> Result<Box<dyn LcpSolver>, Failure> {
-    solvers().into_iter().find(|solver| solver.name() == name).ok_or_else(|| {
-        let known: Vec<&str> = solvers().iter().map(|solver| solver.name()).collect();
-        Failure::UnknownBackend { name: name.to_owned(), known: known.join(", ") }
+    backend(name).ok_or_else(|| Failure::UnknownBackend {
+        name: name.to_owned(),
+        known: BACKENDS.join(", "),
     })
 }
 

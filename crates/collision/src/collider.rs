@@ -11,19 +11,18 @@ pub struct Collider {
 }
 
 impl Collider {
-    /// Checks and prepares the shapes; contact identifiers number them in this order.
+    /// Checks and prepares the shapes; contact identifiers number them in this order. Without shapes
+    /// a body touches nothing.
     ///
     /// # Errors
     ///
-    /// The first [`ShapeError`] among the shapes; [`ShapeError::NoShapes`] when there are none.
+    /// The first [`ShapeError`] among the shapes.
     pub fn new(shapes: &[Shape]) -> Result<Self, ShapeError> {
-        match shapes.len() {
-            0 => return Err(ShapeError::NoShapes),
-            count if count > usize::from(u16::MAX) => {
-                return Err(ShapeError::TooMany { field: "shapes", count });
-            }
-            _ => shapes.iter().try_for_each(Shape::validate)?,
+        let count = shapes.len();
+        if count > usize::from(u16::MAX) {
+            return Err(ShapeError::TooMany { field: "shapes", count });
         }
+        shapes.iter().try_for_each(Shape::validate)?;
         let outlines: Vec<Outline> = shapes.iter().map(Outline::new).collect();
         let radius = outlines.iter().map(|o| o.core_reach() + o.radius).fold(0.0, f64::max);
         Ok(Self { shapes: shapes.to_vec(), outlines, radius })
@@ -42,7 +41,7 @@ impl Collider {
         &self.shapes
     }
 
-    /// Whether there is no shape; never true of a collider that [`Collider::new`] made.
+    /// Whether there is no shape.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()

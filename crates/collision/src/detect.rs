@@ -1,11 +1,10 @@
 //! From placed bodies to the ordered list of contacts.
 
 use crate::{
-    Collider, CollisionError, Contact, ContactFeature, ContactId, Feature, Part, Pose,
+    Collider, CollisionError, Contact, ContactFeature, ContactId, Feature, Part, Pose, broad_phase,
     outline::Outline,
     pose::Frame,
     select::{self, Pair, Seams},
-    sweep,
     world::World,
 };
 
@@ -42,7 +41,7 @@ pub fn contacts(
     }
     let world = World::new(bodies);
     let mut found = Vec::new();
-    for (i, j) in sweep::pairs(&world.bounds(), reach) {
+    for (i, j) in broad_phase::pairs(&world.bounds(), reach) {
         if collide(i, j) {
             between(bodies, &world, [i, j], reach, &mut found)?;
         }

@@ -53,9 +53,6 @@ pub enum ShapeError {
         /// Radius of the capsule, m.
         radius: f64,
     },
-    /// A collider without shapes.
-    #[error("shapes is empty; give at least one shape or leave the collider away")]
-    NoShapes,
     /// More entries than contact identifiers can number.
     #[error("{field} has {count} entries; at most 65535 can be numbered, split the body")]
     TooMany {

@@ -30,10 +30,11 @@
 //! ```
 //!
 //! Reading order: `pose`; `shape`, `hull`, `mass`, `outline` and `collider` say what bodies look
-//! like; `feature`, `evaluate` and `jet` what a contact is; `detect`, `world`, `sweep`, `select`,
+//! like; `feature`, `evaluate` and `jet` what a contact is; `detect`, `world`, `broad_phase`, `select`,
 //! `pairing` and `edge` how contacts are found; `impact` when moving bodies first touch.
 //!
-//! Parry is the second opinion of the tests and not a dependency: `select` and `impact` say why.
+//! Parry finds which bodies are near each other, and is the tests' second opinion on distances and
+//! impacts; `select` and `impact` say why their work is not left to it.
 
 pub mod pose;
 
@@ -48,12 +49,12 @@ mod evaluate;
 mod feature;
 mod jet;
 // how contacts and impacts are found,
+mod broad_phase;
 mod detect;
 mod edge;
 mod impact;
 mod pairing;
 mod select;
-mod sweep;
 mod world;
 // and what can be wrong.
 mod error;

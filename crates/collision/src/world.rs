@@ -119,11 +119,17 @@ impl World {
 
 impl Bounds {
     const EMPTY: Self = Self::all(f64::INFINITY, f64::NEG_INFINITY);
-    const EVERYTHING: Self = Self::all(f64::NEG_INFINITY, f64::INFINITY);
+    /// Around a half-plane.
+    pub(crate) const EVERYTHING: Self = Self::all(f64::NEG_INFINITY, f64::INFINITY);
 
     /// Whether the boxes are within `reach` of each other along both axes.
     pub(crate) fn near(&self, other: &Self, reach: f64) -> bool {
         (0..2).all(|k| self.min[k] - other.max[k] <= reach && other.min[k] - self.max[k] <= reach)
+    }
+
+    /// Whether it ends everywhere: not a half-plane's.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.min.iter().chain(&self.max).all(|x| x.is_finite())
     }
 
     fn around(points: &[Vector2<f64>]) -> Self {

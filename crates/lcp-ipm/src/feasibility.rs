@@ -15,8 +15,8 @@ use crate::raw::{RawLcp, solve_raw};
 const SOFT: f64 = 1e-6;
 const HARD: f64 = 1e-8;
 /// A violation that falls by less than this factor from `SOFT` to `HARD` does not vanish.
-const STAYS: f64 = 0.9;
-const LEAST: f64 = 1e-7;
+const STAYS: f64 = 0.99;
+const LEAST: f64 = 1e-4;
 
 /// The violation of conflicting rows, free of units; `None` if the rows do not conflict, or if that
 /// could not be found out.

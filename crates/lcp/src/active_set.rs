@@ -28,7 +28,9 @@ use crate::{Law, Lcp, Metric, Mode};
 
 /// ε: dependent rows stay solvable, independent ones converge in two or three sweeps.
 const PROXIMAL: f64 = 1e-10;
-const MAX_SWEEPS: usize = 12;
+const MAX_SWEEPS: usize = 40;
+/// A sweep that leaves more than this share of the defect is at rounding, or at a contradiction.
+const STALLED: f64 = 0.8;
 
 /// The reduced system of one problem and one choice of modes, factored.
 #[derive(Clone, Debug)]
@@ -181,7 +183,7 @@ impl ActiveSystem {
         let mut r = vec![0.0; y.len()];
         for sweep in 0..MAX_SWEEPS {
             defect = self.remainder(problem, side, &velocities, rhs, &y, &mut r);
-            if defect <= 2e-16 * scale || (sweep >= 2 && defect > 0.25 * previous) {
+            if defect <= 2e-16 * scale || (sweep >= 2 && defect > STALLED * previous) {
                 break;
             }
             previous = defect;

@@ -1,0 +1,48 @@
+//! The solver alone, on problems recorded from runs.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use tangency::core::lcp::{Lcp, Scratch};
+use tangency::core::{Path, Scene, SceneDef, simulate};
+use tangency_bench::scenes;
+
+/// The largest complementarity problem of a run.
+fn recorded(def: &SceneDef, steps: usize) -> Lcp {
+    let scene = Scene::new(def).expect("a valid scene");
+    let run = simulate(&scene, &*tangency::default_solver(), steps).expect("a run");
+    let islands = run.records.into_iter().flat_map(|record| record.islands);
+    let hard = islands.filter(|island| island.path == Path::Complementarity);
+    hard.map(|island| island.problem)
+        .max_by_key(|problem| problem.rows.len())
+        .expect("a step with contacts")
+}
+
+fn solve_time(criterion: &mut Criterion) {
+    let problems = [
+        ("sliding block", recorded(&scenes::sliding_box(1.0, 0.3, 3.0), 5)),
+        ("box on 10 points", recorded(&scenes::redundant_floor(10), 5)),
+        ("stack of 10", recorded(&scenes::stack(&[1.0; 10]), 5)),
+        ("bridge of 10", recorded(&scenes::soft_bridge(10), 30)),
+        ("chain of 10 struck", recorded(&scenes::hanging_chain_hit(), 5)),
+    ];
+    for solver in tangency::solvers() {
+        let mut group = criterion.benchmark_group(solver.name());
+        for (name, problem) in &problems {
+            let mut scratch = Scratch::default();
+            group.bench_function(*name, |bencher| {
+                bencher.iter(|| solver.solve(black_box(problem), None, &mut scratch));
+            });
+        }
+    }
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(std::time::Duration::from_millis(200))
+        .measurement_time(std::time::Duration::from_millis(800));
+    targets = solve_time
+}
+criterion_main!(benches);

@@ -1,0 +1,146 @@
+//! A loss as a function of some parameters of a scene, with its derivatives.
+
+use std::time::{Duration, Instant};
+
+use nalgebra::DMatrix;
+use tangency::diff::{GradientReport, Parameter, gradient, tangent};
+use tangency::lcp::LcpSolver;
+use tangency::{Rollout, Scene, State, StepError, simulate};
+
+use crate::Failure;
+use crate::loss::Loss;
+use crate::observations::Observations;
+
+/// A loss over a rollout of a scene, as a function of parameters.
+pub struct Objective<'a> {
+    /// The scene; parameters that are not learned keep its values.
+    pub scene: &'a Scene,
+    /// What varies.
+    pub parameters: &'a [Parameter],
+    /// The solver of the steps.
+    pub solver: &'a dyn LcpSolver,
+    /// Steps of the rollout.
+    pub steps: usize,
+}
+
+/// A loss with its gradient at some values of the parameters.
+#[derive(Clone, Debug, Default)]
+pub struct Evaluation {
+    /// The loss.
+    pub loss: f64,
+    /// By the parameters.
+    pub gradient: Vec<f64>,
+    /// Where it is one-sided.
+    pub report: GradientReport,
+    /// Worst residual of the steps.
+    pub residual: f64,
+    /// Time of the rollout.
+    pub forward: Duration,
+    /// Time of the reverse pass.
+    pub reverse: Duration,
+}
+
+/// Residuals of an observed motion and their derivatives by the parameters.
+#[derive(Clone, Debug)]
+pub struct Linearisation {
+    /// Residuals; their squares add up to the loss.
+    pub residuals: Vec<f64>,
+    /// Residuals × parameters.
+    pub jacobian: DMatrix<f64>,
+}
+
+impl Objective<'_> {
+    /// The scene with these values.
+    ///
+    /// # Errors
+    /// A value out of range.
+    pub fn scene_at(&self, values: &[f64]) -> Result<Scene, Failure> {
+        let mut scene = self.scene.clone();
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            parameter
+                .set(&mut scene, *value)
+                .map_err(|source| Failure::Value { name: parameter.name.clone(), source })?;
+        }
+        Ok(scene)
+    }
+
+    /// The values that the scene has.
+    #[must_use]
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.value(self.scene)).collect()
+    }
+
+    /// The motion with these values.
+    ///
+    /// # Errors
+    /// A value out of range, or a step that failed.
+    pub fn rollout(&self, values: &[f64]) -> Result<(Scene, Rollout), Failure> {
+        let scene = self.scene_at(values)?;
+        let rollout = simulate(&scene, self.solver, self.steps)?;
+        Ok((scene, rollout))
+    }
+
+    /// The loss alone.
+    ///
+    /// # Errors
+    /// As [`Objective::rollout`].
+    pub fn value(&self, loss: &Loss, values: &[f64]) -> Result<f64, Failure> {
+        self.rollout(values).map(|(_, rollout)| loss.value(&rollout))
+    }
+
+    /// The loss and its gradient in reverse mode.
+    ///
+    /// # Errors
+    /// As [`Objective::rollout`], or an adjoint that could not be taken.
+    pub fn evaluate(&self, loss: &Loss, values: &[f64]) -> Result<Evaluation, Failure> {
+        let start = Instant::now();
+        let (scene, rollout) = self.rollout(values)?;
+        let forward = start.elapsed();
+        let start = Instant::now();
+        let mut seeds = loss.seeds(&rollout);
+        let found = gradient(&scene, &rollout, |k, _: &State| seeds[k].take())?;
+        let by = |parameter: &Parameter| parameter.gradient(&scene, &found.by);
+        let gradient = self.parameters.iter().map(by).collect();
+        let reverse = start.elapsed();
+        let (loss, residual) = (loss.value(&rollout), rollout.residual());
+        Ok(Evaluation { loss, gradient, report: found.report, residual, forward, reverse })
+    }
+
+    /// Residuals of an observed motion with their derivatives, in forward mode.
+    ///
+    /// # Errors
+    /// As [`Objective::evaluate`].
+    pub fn linearise(
+        &self,
+        observed: &Observations,
+        values: &[f64],
+    ) -> Result<Linearisation, Failure> {
+        let (scene, rollout) = self.rollout(values)?;
+        let residuals = observed.scaled_residuals(&rollout);
+        let mut jacobian = DMatrix::zeros(residuals.len(), self.parameters.len());
+        for (parameter, mut column) in self.parameters.iter().zip(jacobian.column_iter_mut()) {
+            let along = parameter.direction(&scene, self.steps);
+            let changes = observed.scaled_changes(&rollout, &tangent(&scene, &rollout, &along)?);
+            column.copy_from_slice(&changes);
+        }
+        Ok(Linearisation { residuals, jacobian })
+    }
+
+    /// The same with fewer steps.
+    #[must_use]
+    pub fn shortened(&self, steps: usize) -> Self {
+        Self { steps: steps.min(self.steps), ..*self }
+    }
+}
+
+/// Runs a scene that is known to be valid.
+///
+/// # Errors
+/// The first step that failed.
+pub fn run_scene(
+    scene: &Scene,
+    solver: &dyn LcpSolver,
+    steps: usize,
+) -> Result<Rollout, StepError> {
+    simulate(scene, solver, steps)
+}
