@@ -74,7 +74,8 @@ impl SceneFileError {
     /// A complaint of the parser.
     pub(super) fn syntax(place: Place, message: &str, text: &str) -> Self {
         let mut message = message.trim_end_matches(", expected nothing").to_owned();
-        if let Some(line) = text.lines().nth(place.line - 1).filter(|line| !line.trim().is_empty()) {
+        if let Some(line) = text.lines().nth(place.line - 1).filter(|line| !line.trim().is_empty())
+        {
             message = format!("{message}, in `{}`", line.trim());
         }
         Self::Syntax { place, message }

@@ -11,11 +11,7 @@ use super::{SceneFileError, SceneFormat};
 
 /// # Errors
 /// [`SceneFileError::Malformed`] at the first array of `text` that is not what `def` has there.
-pub(super) fn check(
-    text: &str,
-    format: SceneFormat,
-    def: &SceneDef,
-) -> Result<(), SceneFileError> {
+pub(super) fn check(text: &str, format: SceneFormat, def: &SceneDef) -> Result<(), SceneFileError> {
     let said: Option<Value> = match format {
         SceneFormat::Toml => toml::from_str(text).ok(),
         SceneFormat::Json => serde_json::from_str(text).ok(),

@@ -53,15 +53,21 @@ fn unknown_keys_are_errors_with_a_suggestion() {
                  `restitution`, `gravity_scale`, `groups`, `category`, `mask`";
     toml(
         &format!("{BODY}masss = 3"),
-        &format!("line 3, column 1: bodies[0].masss: unknown field `masss`, {known}; did you mean `mass`?"),
+        &format!(
+            "line 3, column 1: bodies[0].masss: unknown field `masss`, {known}; did you mean `mass`?"
+        ),
     );
     json(
         "{\"bodies\": [{\n\"masss\": 3}]}",
-        &format!("line 2, column 10: bodies[0].masss: unknown field `masss`, {known}; did you mean `mass`?"),
+        &format!(
+            "line 2, column 10: bodies[0].masss: unknown field `masss`, {known}; did you mean `mass`?"
+        ),
     );
     toml(
         &format!("{BODY}wheels = 3"),
-        &format!("line 3, column 1: bodies[0].wheels: unknown field `wheels`, {known}; correct or remove it"),
+        &format!(
+            "line 3, column 1: bodies[0].wheels: unknown field `wheels`, {known}; correct or remove it"
+        ),
     );
     toml(
         &format!("{BODY}shapes = [{{ circle = {{ radus = 1.0 }} }}]"),
@@ -80,7 +86,9 @@ fn unknown_variants_are_errors_with_a_suggestion() {
     let known = "expected one of `circle`, `rectangle`, `polygon`, `capsule`, `half_plane`";
     toml(
         &format!("{BODY}shapes = [{{ circel = {{ radius = 1.0 }} }}]"),
-        &format!("line 3, column 11: bodies[0].shapes[0]: unknown variant `circel`, {known}; did you mean `circle`?"),
+        &format!(
+            "line 3, column 11: bodies[0].shapes[0]: unknown variant `circel`, {known}; did you mean `circle`?"
+        ),
     );
     toml(
         &format!("{BODY}kind = \"dynamik\""),
@@ -125,10 +133,7 @@ fn wrong_types_are_errors_that_quote_the_value() {
         "line 3, column 1: bodies[0].mask: invalid value: integer `-1`, expected a whole number \
          from 0 to 4294967295",
     );
-    toml(
-        "bodies = 3",
-        "line 1, column 1: bodies: invalid type: integer `3`, expected an array",
-    );
+    toml("bodies = 3", "line 1, column 1: bodies: invalid type: integer `3`, expected an array");
     json("3", "line 1, column 1: scene: invalid type: integer `3`, expected a table");
     toml(
         "contact_model = 3",
@@ -200,7 +205,10 @@ fn files_are_named_in_errors() {
         format!("{file}: invalid type: boolean `true`, expected a number")
     );
     assert_eq!(
-        complain("scene.toml", &format!("{BODY}mass = -1.0\nshapes = [{{ circle = {{ radius = 1 }} }}]")),
+        complain(
+            "scene.toml",
+            &format!("{BODY}mass = -1.0\nshapes = [{{ circle = {{ radius = 1 }} }}]")
+        ),
         format!("{file} is -1: give a positive finite number")
     );
     assert_eq!(
@@ -210,7 +218,10 @@ fn files_are_named_in_errors() {
     fs::remove_dir_all(&folder).expect("the temporary folder is ours");
     assert_eq!(
         load_scene(folder.join("gone.toml")).expect_err("there is no file").to_string(),
-        format!("{}/gone.toml: cannot be read; check the path and its permissions", folder.display())
+        format!(
+            "{}/gone.toml: cannot be read; check the path and its permissions",
+            folder.display()
+        )
     );
 }
 
@@ -220,7 +231,10 @@ fn definitions_survive_both_formats() {
     assert_eq!(parse_scene(&scene_to_toml(&def), SceneFormat::Toml).expect("its own text"), def);
     assert_eq!(parse_scene(&scene_to_json(&def), SceneFormat::Json).expect("its own text"), def);
     let empty = SceneDef::default();
-    assert_eq!(parse_scene(&scene_to_toml(&empty), SceneFormat::Toml).expect("its own text"), empty);
+    assert_eq!(
+        parse_scene(&scene_to_toml(&empty), SceneFormat::Toml).expect("its own text"),
+        empty
+    );
     assert_eq!(parse_scene("", SceneFormat::Toml).expect("all keys have defaults"), empty);
 }
 

@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{Console, Failure, inspect, simulate};
+use crate::{Console, Failure, experiment, fit, gradient, inspect, simulate};
 
 /// Differentiable planar physics from the shell.
 #[derive(Debug, Parser)]
@@ -28,6 +28,13 @@ pub enum Command {
     Simulate(simulate::Arguments),
     /// Check a scene file and show what one step from a state models
     Inspect(inspect::Arguments),
+    /// The value of a loss over a run, and its gradient by parameters of the scene
+    Gradient(gradient::Arguments),
+    /// Learn parameters of a scene from an observed motion
+    Fit(fit::Arguments),
+    /// The paper's experiments and ours, with figures and tables under out/
+    #[command(subcommand)]
+    Experiment(experiment::Experiment),
 }
 
 impl Command {
@@ -39,6 +46,9 @@ impl Command {
         match self {
             Self::Simulate(arguments) => simulate::run(arguments, console),
             Self::Inspect(arguments) => inspect::run(arguments, console),
+            Self::Gradient(arguments) => gradient::run(arguments, console),
+            Self::Fit(arguments) => fit::run(arguments, console),
+            Self::Experiment(experiment) => experiment.run(console),
         }
     }
 }

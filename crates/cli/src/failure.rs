@@ -4,7 +4,10 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use tangency::diff::{DiffError, ParameterError};
 use tangency::{SceneError, SceneFileError, StepError};
+
+use crate::formula::FormulaError;
 
 /// Why a command did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -61,6 +64,58 @@ pub enum Failure {
     /// A state has no answer.
     #[error(transparent)]
     State(#[from] StepError),
+    /// A parameter that the scene does not have.
+    #[error("parameter {0}")]
+    Parameter(#[from] ParameterError),
+    /// A parameter's value that the scene refuses.
+    #[error("parameter {name:?} cannot have this value")]
+    Value {
+        /// The parameter.
+        name: String,
+        /// What is wrong with the value.
+        source: SceneError,
+    },
+    /// A formula is wrong.
+    #[error("--loss {text:?} is no file, and as a formula wrong at {source}")]
+    Loss {
+        /// The formula.
+        text: String,
+        /// What is wrong with it.
+        source: FormulaError,
+    },
+    /// As many starts as parameters are needed.
+    #[error("--start has {found} numbers, --learn {expected} parameters; give one for each")]
+    StartCount {
+        /// Parameters.
+        expected: usize,
+        /// Numbers given.
+        found: usize,
+    },
+    /// A derivative could not be taken.
+    #[error(transparent)]
+    Derivative(#[from] DiffError),
+    /// A gradient and its finite difference disagree.
+    #[error(
+        "{name}: gradient and difference disagree by {relative_error:.1e}, more than \
+         {tolerance:.1e}; either a contact changes between the points of the difference, or the \
+         gradient is wrong"
+    )]
+    Check {
+        /// The parameter.
+        name: String,
+        /// The disagreement.
+        relative_error: f64,
+        /// What was allowed.
+        tolerance: f64,
+    },
+    /// A figure could not be drawn.
+    #[error("{}: cannot be drawn: {message}", file.display())]
+    Draw {
+        /// The file.
+        file: PathBuf,
+        /// What the drawing library says.
+        message: String,
+    },
 }
 
 impl Failure {
@@ -72,8 +127,17 @@ impl Failure {
             | Self::Scene(_)
             | Self::UnknownBackend { .. }
             | Self::Input { .. }
-            | Self::Read { .. } => ExitCode::from(2),
-            Self::Write { .. } | Self::Step { .. } | Self::State(_) => ExitCode::FAILURE,
+            | Self::Read { .. }
+            | Self::Parameter(_)
+            | Self::Value { .. }
+            | Self::Loss { .. }
+            | Self::StartCount { .. } => ExitCode::from(2),
+            Self::Write { .. }
+            | Self::Step { .. }
+            | Self::State(_)
+            | Self::Derivative(_)
+            | Self::Check { .. }
+            | Self::Draw { .. } => ExitCode::FAILURE,
         }
     }
 }

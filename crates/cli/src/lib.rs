@@ -8,11 +8,21 @@
 //! [`args::Command`] and a line in [`args::Command::run`].
 
 pub mod args;
+pub mod experiment;
+pub mod fit;
+pub mod gradient;
 pub mod inspect;
 pub mod simulate;
 
 mod console;
 mod failure;
+mod formula;
+mod grid;
+pub mod loss;
+pub mod objective;
+pub mod observations;
+pub mod optimise;
+pub mod plot;
 pub mod replay;
 pub mod run;
 mod summary;
@@ -25,6 +35,8 @@ use clap::Parser as _;
 
 pub use console::Console;
 pub use failure::Failure;
+pub use formula::{Formula, FormulaError};
+pub use grid::Grid;
 pub use run::{Frame, Push, Run};
 pub use summary::Summary;
 pub use table::Table;

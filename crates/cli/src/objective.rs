@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use nalgebra::DMatrix;
 use tangency::diff::{GradientReport, Parameter, gradient, tangent};
 use tangency::lcp::LcpSolver;
-use tangency::{Rollout, Scene, State, StepError, simulate};
+use tangency::{Rollout, Scene, State, simulate};
 
 use crate::Failure;
 use crate::loss::Loss;
@@ -131,16 +131,4 @@ impl Objective<'_> {
     pub fn shortened(&self, steps: usize) -> Self {
         Self { steps: steps.min(self.steps), ..*self }
     }
-}
-
-/// Runs a scene that is known to be valid.
-///
-/// # Errors
-/// The first step that failed.
-pub fn run_scene(
-    scene: &Scene,
-    solver: &dyn LcpSolver,
-    steps: usize,
-) -> Result<Rollout, StepError> {
-    simulate(scene, solver, steps)
 }

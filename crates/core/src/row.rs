@@ -94,6 +94,9 @@ pub struct RowContext<'a> {
 
 impl RowContext<'_> {
     /// Value and gradient of a row.
+    ///
+    /// # Panics
+    /// If the scene has no such row.
     #[must_use]
     pub fn geometry(&self, source: RowSource) -> RowGeometry {
         match source {

@@ -12,7 +12,7 @@ use nalgebra::{Vector2, Vector3, Vector4, Vector6};
 use tangency_collision::{Contact, pose};
 use tangency_core::row::RowContext;
 
-use crate::vector::{SceneVector, StateVector};
+use crate::vector::{Bars, Direction};
 
 /// ∂L/∂(c_x, c_y, ψ, gap) of every contact, collected over its rows.
 pub(crate) struct ContactBars(Vec<Vector4<f64>>);
@@ -29,7 +29,7 @@ impl ContactBars {
         contact: u32,
         d: &Vector2<f64>,
         j_bar: &Vector6<f64>,
-        before: &mut StateVector,
+        bars: &mut Bars<'_>,
     ) {
         let [a, b] = context.contact_bodies(contact);
         let point = context.contacts[contact as usize].point;
@@ -41,8 +41,8 @@ impl ContactBars {
         let (rho_a_bar, rho_b_bar) = (turned * j_bar[2], -turned * j_bar[5]);
         let c_bar = rho_a_bar + rho_b_bar;
         self.0[contact as usize] += Vector4::new(c_bar.x, c_bar.y, d_bar.dot(&turned), 0.0);
-        before.q[a] -= Vector3::new(rho_a_bar.x, rho_a_bar.y, 0.0);
-        before.q[b] -= Vector3::new(rho_b_bar.x, rho_b_bar.y, 0.0);
+        bars.state.q[a] -= Vector3::new(rho_a_bar.x, rho_a_bar.y, 0.0);
+        bars.state.q[b] -= Vector3::new(rho_b_bar.x, rho_b_bar.y, 0.0);
     }
 
     pub(crate) fn add_gap(&mut self, contact: u32, gap_bar: f64) {
@@ -50,12 +50,7 @@ impl ContactBars {
     }
 
     /// Pulls what was collected onto poses and radii.
-    pub(crate) fn pull_back(
-        self,
-        context: &RowContext<'_>,
-        before: &mut StateVector,
-        out: &mut SceneVector,
-    ) {
+    pub(crate) fn pull_back(self, context: &RowContext<'_>, bars: &mut Bars<'_>) {
         for (contact, bar) in context.contacts.iter().zip(self.0) {
             if bar == Vector4::zeros() {
                 continue;
@@ -65,10 +60,10 @@ impl ContactBars {
             let q_bar = jet.pose.tr_mul(&bar);
             let radii_bar = jet.radii.tr_mul(&bar);
             for (side, body) in [a, b].into_iter().enumerate() {
-                before.q[body] += q_bar.fixed_rows::<3>(3 * side);
+                bars.state.q[body] += q_bar.fixed_rows::<3>(3 * side);
                 let shape = contact.feature.id.shapes[side] as usize;
                 if contact.feature.radii[side] > 0.0 {
-                    out.bodies[body].radii[shape] += radii_bar[side];
+                    bars.scene.bodies[body].radii[shape] += radii_bar[side];
                 }
             }
         }
@@ -79,17 +74,16 @@ impl ContactBars {
 pub(crate) fn contact_jvp(
     context: &RowContext<'_>,
     contact: &Contact,
-    before: &StateVector,
-    along: &SceneVector,
+    along: &Direction<'_>,
 ) -> Vector4<f64> {
     let bodies = contact.feature.id.bodies.map(|i| i as usize);
     let jet = contact.feature.jet(&context.q[bodies[0]], &context.q[bodies[1]]);
     let mut change = Vector4::zeros();
     for (side, body) in bodies.into_iter().enumerate() {
-        change += jet.pose.fixed_columns::<3>(3 * side) * before.q[body];
+        change += jet.pose.fixed_columns::<3>(3 * side) * along.state.q[body];
         if contact.feature.radii[side] > 0.0 {
             let shape = contact.feature.id.shapes[side] as usize;
-            change += jet.radii.column(side) * along.bodies[body].radii[shape];
+            change += jet.radii.column(side) * along.scene.bodies[body].radii[shape];
         }
     }
     change
@@ -101,14 +95,14 @@ pub(crate) fn row_jvp(
     contact: u32,
     d: &Vector2<f64>,
     change: &Vector4<f64>,
-    before: &StateVector,
+    along: &Direction<'_>,
 ) -> Vector6<f64> {
     let bodies = context.contact_bodies(contact);
     let point = context.contacts[contact as usize].point;
     let dd = pose::perp(d) * change.z;
     let turn = |body: usize| {
         let rho = point - context.q[body].xy();
-        let d_rho = change.xy() - before.q[body].xy();
+        let d_rho = change.xy() - along.state.q[body].xy();
         dd.dot(&pose::perp(&rho)) + d.dot(&pose::perp(&d_rho))
     };
     Vector6::new(-dd.x, -dd.y, -turn(bodies[0]), dd.x, dd.y, turn(bodies[1]))

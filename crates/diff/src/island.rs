@@ -5,7 +5,7 @@
 //!  s̄ = b̄ ∂b/∂s,   φ̄ = b̄ ∂b/∂φ,   J̄ += s̄ v (− b̄ v on driven sides),   v̄ += s̄ J (− b̄ J)
 //! ```
 
-use nalgebra::{Vector2, Vector3, Vector6};
+use nalgebra::{Vector2, Vector3, Vector4, Vector6};
 use tangency_collision::pose;
 use tangency_core::rhs::Rhs;
 use tangency_core::row::{RowContext, RowGeometry, RowSource, Stage};
@@ -15,7 +15,7 @@ use crate::contact_row::{self, ContactBars};
 use crate::joint_row;
 use crate::lcp::{LcpVector, RowVector};
 use crate::momentum::stack;
-use crate::vector::{SceneVector, StateVector};
+use crate::vector::{Bars, Direction, SceneVector, StateVector};
 
 /// Pulls the gradient by an island's problem back onto state, control and scene.
 pub(crate) fn vjp(
@@ -23,36 +23,34 @@ pub(crate) fn vjp(
     island: &IslandRecord,
     problem_bar: &LcpVector,
     contacts: &mut ContactBars,
-    before: &mut StateVector,
-    control: &mut [f64],
-    out: &mut SceneVector,
+    bars: &mut Bars<'_>,
 ) {
     for (body, mass_bar) in island.bodies.iter().zip(&problem_bar.mass) {
-        out.bodies[*body as usize].mass += mass_bar;
+        bars.scene.bodies[*body as usize].mass += mass_bar;
     }
     for (source, bar) in island.sources.iter().zip(&problem_bar.rows) {
         let geometry = context.geometry(*source);
         let speed = speed(context, &geometry);
         let rhs = context.rhs(*source, geometry.value, speed);
-        let j_bar = pull_speed(context, &geometry, &rhs, bar, before);
+        let j_bar = pull_speed(context, &geometry, &rhs, bar, &mut bars.state);
         let value_bar = bar.rhs * rhs.d_position;
-        out.dt += bar.rhs * rhs.d_dt + bar.compliance * rhs.compliance_d_dt;
-        pull_parameters(context, *source, bar, &rhs, control, out);
+        bars.scene.dt += bar.rhs * rhs.d_dt + bar.compliance * rhs.compliance_d_dt;
+        pull_parameters(context, *source, bar, &rhs, bars);
         match *source {
             RowSource::Normal { contact } => {
                 let d = context.contacts[contact as usize].normal;
-                contacts.add_row(context, contact, &d, &j_bar, before);
+                contacts.add_row(context, contact, &d, &j_bar, bars);
                 contacts.add_gap(contact, value_bar);
             }
             RowSource::Tangent { contact } => {
                 let d = pose::perp(&context.contacts[contact as usize].normal);
-                contacts.add_row(context, contact, &d, &j_bar, before);
+                contacts.add_row(context, contact, &d, &j_bar, bars);
             }
             _ => {
                 let (joint, row, sign) = joint_row_of(context.scene, *source);
                 let (j_bar, value_bar) = (j_bar * sign, value_bar * sign);
-                joint_row::geometry_vjp(context, joint, row, &j_bar, value_bar, before, out);
-                pull_reference(context.scene, *source, value_bar, out);
+                joint_row::geometry_vjp(context, joint, row, &j_bar, value_bar, bars);
+                pull_reference(context.scene, *source, value_bar, bars.scene);
             }
         }
     }
@@ -63,27 +61,25 @@ pub(crate) fn vjp(
 pub(crate) fn jvp(
     context: &RowContext<'_>,
     island: &IslandRecord,
-    contacts: &[nalgebra::Vector4<f64>],
+    contacts: &[Vector4<f64>],
     momentum: &[Vector3<f64>],
-    before: &StateVector,
-    control: &[f64],
-    along: &SceneVector,
+    along: &Direction<'_>,
 ) -> LcpVector {
     let bodies = || island.bodies.iter().map(|b| *b as usize);
     let mut change = LcpVector::zeros(&island.problem);
-    change.mass = bodies().map(|b| along.bodies[b].mass).collect();
+    change.mass = bodies().map(|b| along.scene.bodies[b].mass).collect();
     change.momentum = bodies().map(|b| momentum[b]).collect();
     for (k, source) in island.sources.iter().enumerate() {
         let geometry = context.geometry(*source);
         let rhs = context.rhs(*source, geometry.value, speed(context, &geometry));
-        let (dj, d_value) = geometry_jvp(context, *source, contacts, before, along);
+        let (dj, d_value) = geometry_jvp(context, *source, contacts, along);
         let row = &mut change.rows[k];
         let (mut d_speed, mut d_driven) = (0.0, 0.0);
         for side in 0..2 {
             let Some(body) = geometry.bodies[side] else { continue };
             let dj_side: Vector3<f64> = dj.fixed_rows::<3>(3 * side).into();
             let part =
-                dj_side.dot(&context.v[body]) + geometry.jacobian[side].dot(&before.v[body]);
+                dj_side.dot(&context.v[body]) + geometry.jacobian[side].dot(&along.state.v[body]);
             d_speed += part;
             if context.scene.is_dynamic(body) {
                 row.jacobian[side] = dj_side;
@@ -91,9 +87,10 @@ pub(crate) fn jvp(
                 d_driven += part;
             }
         }
-        row.rhs = rhs.d_position * d_value + rhs.d_speed * d_speed + rhs.d_dt * along.dt - d_driven;
-        row.compliance = rhs.compliance_d_dt * along.dt;
-        push_parameters(context, *source, row, &rhs, control, along);
+        row.rhs =
+            rhs.d_position * d_value + rhs.d_speed * d_speed + rhs.d_dt * along.scene.dt - d_driven;
+        row.compliance = rhs.compliance_d_dt * along.scene.dt;
+        push_parameters(context, *source, row, &rhs, along);
     }
     change
 }
@@ -114,15 +111,15 @@ fn pull_speed(
 ) -> Vector6<f64> {
     let speed_bar = bar.rhs * rhs.d_speed;
     let mut j_bar = [Vector3::zeros(); 2];
-    for side in 0..2 {
+    for (side, j_bar) in j_bar.iter_mut().enumerate() {
         let Some(body) = geometry.bodies[side] else { continue };
         let mut rate = speed_bar;
         if context.scene.is_dynamic(body) {
-            j_bar[side] += bar.jacobian[side];
+            *j_bar += bar.jacobian[side];
         } else if context.stage == Stage::Velocity {
             rate -= bar.rhs;
         }
-        j_bar[side] += context.v[body] * rate;
+        *j_bar += context.v[body] * rate;
         before.v[body] += geometry.jacobian[side] * rate;
     }
     stack(&j_bar)
@@ -160,13 +157,12 @@ fn pull_parameters(
     source: RowSource,
     bar: &RowVector,
     rhs: &Rhs,
-    control: &mut [f64],
-    out: &mut SceneVector,
+    bars: &mut Bars<'_>,
 ) {
     let scene = context.scene;
     match source {
         RowSource::Held { joint, .. } => {
-            let it = &mut out.joints[joint as usize];
+            let it = &mut bars.scene.joints[joint as usize];
             let by = |k: usize| {
                 bar.rhs * rhs.d_softness[k] + bar.compliance * rhs.compliance_d_softness[k]
             };
@@ -174,28 +170,28 @@ fn pull_parameters(
             it.damping += by(1);
         }
         RowSource::Motor { joint } => {
-            let it = &mut out.joints[joint as usize];
+            let it = &mut bars.scene.joints[joint as usize];
             it.motor_speed += bar.rhs;
             for channel in motor_channels(scene, joint) {
-                control[channel] += bar.rhs;
+                bars.control[channel] += bar.rhs;
             }
             if let Some(max) = scene.joints()[joint as usize].motor.and_then(|m| m.max) {
                 it.motor_max += bar.bound * scene.dt();
-                out.dt += bar.bound * max;
+                bars.scene.dt += bar.bound * max;
             }
         }
         RowSource::Normal { contact } => {
             let bodies = context.contact_bodies(contact);
             let e = scene.pair_restitution(bodies[0], bodies[1]);
             for (body, d) in bodies.iter().zip(e.d) {
-                out.bodies[*body].restitution += bar.rhs * rhs.d_restitution * d;
+                bars.scene.bodies[*body].restitution += bar.rhs * rhs.d_restitution * d;
             }
         }
         RowSource::Tangent { contact } => {
             let bodies = context.contact_bodies(contact);
             let mu = scene.pair_friction(bodies[0], bodies[1]);
             for (body, d) in bodies.iter().zip(mu.d) {
-                out.bodies[*body].friction += bar.bound * d;
+                bars.scene.bodies[*body].friction += bar.bound * d;
             }
         }
         RowSource::Lower { .. } | RowSource::Upper { .. } => {}
@@ -207,13 +203,12 @@ fn push_parameters(
     source: RowSource,
     row: &mut RowVector,
     rhs: &Rhs,
-    control: &[f64],
-    along: &SceneVector,
+    along: &Direction<'_>,
 ) {
     let scene = context.scene;
     match source {
         RowSource::Held { joint, .. } => {
-            let it = &along.joints[joint as usize];
+            let it = &along.scene.joints[joint as usize];
             let rates = [it.stiffness, it.damping];
             for (k, rate) in rates.into_iter().enumerate() {
                 row.rhs += rhs.d_softness[k] * rate;
@@ -221,25 +216,28 @@ fn push_parameters(
             }
         }
         RowSource::Motor { joint } => {
-            let it = &along.joints[joint as usize];
-            let inputs: f64 = motor_channels(scene, joint).map(|c| control[c]).sum();
+            let it = &along.scene.joints[joint as usize];
+            let inputs: f64 = motor_channels(scene, joint).map(|c| along.control[c]).sum();
             row.rhs += it.motor_speed + inputs;
             if let Some(max) = scene.joints()[joint as usize].motor.and_then(|m| m.max) {
-                row.bound += it.motor_max * scene.dt() + max * along.dt;
+                row.bound += it.motor_max * scene.dt() + max * along.scene.dt;
             }
         }
         RowSource::Normal { contact } => {
             let bodies = context.contact_bodies(contact);
             let e = scene.pair_restitution(bodies[0], bodies[1]);
             let rate: f64 =
-                bodies.iter().zip(e.d).map(|(b, d)| along.bodies[*b].restitution * d).sum();
+                bodies.iter().zip(e.d).map(|(b, d)| along.scene.bodies[*b].restitution * d).sum();
             row.rhs += rhs.d_restitution * rate;
         }
         RowSource::Tangent { contact } => {
             let bodies = context.contact_bodies(contact);
             let mu = scene.pair_friction(bodies[0], bodies[1]);
-            row.bound +=
-                bodies.iter().zip(mu.d).map(|(b, d)| along.bodies[*b].friction * d).sum::<f64>();
+            row.bound += bodies
+                .iter()
+                .zip(mu.d)
+                .map(|(b, d)| along.scene.bodies[*b].friction * d)
+                .sum::<f64>();
         }
         RowSource::Lower { .. } | RowSource::Upper { .. } => {}
     }
@@ -255,12 +253,11 @@ fn motor_channels(scene: &Scene, joint: u32) -> impl Iterator<Item = usize> {
 fn geometry_jvp(
     context: &RowContext<'_>,
     source: RowSource,
-    contacts: &[nalgebra::Vector4<f64>],
-    before: &StateVector,
-    along: &SceneVector,
+    contacts: &[Vector4<f64>],
+    along: &Direction<'_>,
 ) -> (Vector6<f64>, f64) {
     let contact_jvp = |contact: u32, d: &Vector2<f64>| {
-        contact_row::row_jvp(context, contact, d, &contacts[contact as usize], before)
+        contact_row::row_jvp(context, contact, d, &contacts[contact as usize], along)
     };
     match source {
         RowSource::Normal { contact } => {
@@ -273,8 +270,8 @@ fn geometry_jvp(
         }
         _ => {
             let (joint, row, sign) = joint_row_of(context.scene, source);
-            let (dj, d_value) = joint_row::geometry_jvp(context, joint, row, before, along);
-            let it = &along.joints[joint as usize];
+            let (dj, d_value) = joint_row::geometry_jvp(context, joint, row, along);
+            let it = &along.scene.joints[joint as usize];
             let d_reference = match source {
                 RowSource::Held { row: 0, .. } if has_length(context.scene, joint) => it.length,
                 RowSource::Lower { .. } => it.lower,

@@ -5,7 +5,7 @@ use tangency_core::JointRow;
 use tangency_core::measure::MeasureJet;
 use tangency_core::row::RowContext;
 
-use crate::vector::{SceneVector, StateVector};
+use crate::vector::{Bars, Direction};
 
 /// Pulls ∂L/∂J (6) and ∂L/∂φ back onto poses, anchors and reference.
 pub(crate) fn geometry_vjp(
@@ -14,17 +14,16 @@ pub(crate) fn geometry_vjp(
     row: JointRow,
     j_bar: &Vector6<f64>,
     value_bar: f64,
-    before: &mut StateVector,
-    out: &mut SceneVector,
+    bars: &mut Bars<'_>,
 ) {
     let jet = jet(context, joint, row);
     let q_bar = jet.hessian * j_bar + jet.jacobian * value_bar;
     let anchors_bar = jet.jacobian_anchors.tr_mul(j_bar) + jet.anchors * value_bar;
     for (side, body) in context.scene.joints()[joint as usize].bodies.iter().enumerate() {
         if let Some(body) = body {
-            before.q[*body] += q_bar.fixed_rows::<3>(3 * side);
+            bars.state.q[*body] += q_bar.fixed_rows::<3>(3 * side);
         }
-        out.joints[joint as usize].anchors[side] += anchors_bar.fixed_rows::<2>(2 * side);
+        bars.scene.joints[joint as usize].anchors[side] += anchors_bar.fixed_rows::<2>(2 * side);
     }
 }
 
@@ -33,17 +32,16 @@ pub(crate) fn geometry_jvp(
     context: &RowContext<'_>,
     joint: u32,
     row: JointRow,
-    before: &StateVector,
-    along: &SceneVector,
+    along: &Direction<'_>,
 ) -> (Vector6<f64>, f64) {
     let jet = jet(context, joint, row);
     let mut dq = Vector6::zeros();
     for (side, body) in context.scene.joints()[joint as usize].bodies.iter().enumerate() {
         if let Some(body) = body {
-            dq.fixed_rows_mut::<3>(3 * side).copy_from(&before.q[*body]);
+            dq.fixed_rows_mut::<3>(3 * side).copy_from(&along.state.q[*body]);
         }
     }
-    let [a, b]: [Vector2<f64>; 2] = along.joints[joint as usize].anchors;
+    let [a, b]: [Vector2<f64>; 2] = along.scene.joints[joint as usize].anchors;
     let dl = Vector4::new(a.x, a.y, b.x, b.y);
     let dj = jet.hessian * dq + jet.jacobian_anchors * dl;
     (dj, jet.jacobian.dot(&dq) + jet.anchors.dot(&dl))

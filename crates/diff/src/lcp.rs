@@ -255,9 +255,10 @@ fn bound_changes(
         let d_mu = tangent.rows[fold.row as usize].bound;
         (fold.row, fold.coefficient.signum() * d_mu * solution.impulses[normal])
     });
-    let saturated = system.saturated().iter().map(|&(row, impulse)| {
-        (row, impulse.signum() * tangent.rows[row as usize].bound)
-    });
+    let saturated = system
+        .saturated()
+        .iter()
+        .map(|&(row, impulse)| (row, impulse.signum() * tangent.rows[row as usize].bound));
     sliding.chain(saturated).collect()
 }
 

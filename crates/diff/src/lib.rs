@@ -29,4 +29,4 @@ pub use parameter::{Parameter, ParameterError};
 pub use report::{GradientReport, OneSided};
 pub use rollout::{Gradient, gradient, tangent};
 pub use step::{step_jvp, step_vjp};
-pub use vector::{BodyVector, JointVector, RolloutVector, SceneVector, StateVector};
+pub use vector::{BodyVector, Direction, JointVector, RolloutVector, SceneVector, StateVector};

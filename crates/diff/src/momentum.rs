@@ -10,50 +10,50 @@ use tangency_core::row::RowContext;
 use tangency_core::{Control, Force, JointRow, Scene};
 
 use crate::joint_row;
-use crate::vector::{SceneVector, StateVector};
+use crate::vector::{Bars, Direction};
 
 /// Pulls ∂L/∂p back onto state, control and scene.
 pub(crate) fn vjp(
     context: &RowContext<'_>,
     time: f64,
     p_bar: &[Vector3<f64>],
-    before: &mut StateVector,
-    control: &mut [f64],
-    out: &mut SceneVector,
+    bars: &mut Bars<'_>,
 ) {
     let scene = context.scene;
     for (i, body) in scene.bodies().iter().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
         let (g, p_bar) = (gravity(scene, i), &p_bar[i]);
-        before.v[i] += body.mass.component_mul(p_bar);
-        out.bodies[i].mass += p_bar.component_mul(&(context.v[i] + g * scene.dt()));
-        out.gravity += p_bar.xy() * (body.mass.x * scene.dt() * body.gravity_scale);
-        out.dt += p_bar.dot(&body.mass.component_mul(&g));
+        bars.state.v[i] += body.mass.component_mul(p_bar);
+        bars.scene.bodies[i].mass += p_bar.component_mul(&(context.v[i] + g * scene.dt()));
+        bars.scene.gravity += p_bar.xy() * (body.mass.x * scene.dt() * body.gravity_scale);
+        bars.scene.dt += p_bar.dot(&body.mass.component_mul(&g));
     }
     for (k, force) in scene.forces().iter().enumerate().filter(|(_, f)| scene.is_dynamic(f.body)) {
         let (by_time, by_dt) = overlap_derivative(force, time, scene.dt());
         let power = force.wrench.dot(&p_bar[force.body]);
-        out.forces[k] += p_bar[force.body] * overlap(force, time, scene.dt());
-        before.time += by_time * power;
-        out.dt += by_dt * power;
+        bars.scene.forces[k] += p_bar[force.body] * overlap(force, time, scene.dt());
+        bars.state.time += by_time * power;
+        bars.scene.dt += by_dt * power;
     }
     for (channel, (input, u)) in scene.controls().iter().zip(context.control).enumerate() {
         match *input {
             Control::Wrench { body, component } => {
-                control[channel] += scene.dt() * p_bar[body][component];
-                out.dt += u * p_bar[body][component];
+                bars.control[channel] += scene.dt() * p_bar[body][component];
+                bars.scene.dt += u * p_bar[body][component];
             }
             Control::JointForce { joint } => {
                 let (index, free) = free_row(scene, joint);
                 let row = context.joint_geometry(index, free);
-                let side = |s: usize| row.bodies[s].map_or_else(Vector3::zeros, |b| {
-                    if scene.is_dynamic(b) { p_bar[b] } else { Vector3::zeros() }
-                });
-                let bars = [side(0), side(1)];
-                let power = row.jacobian[0].dot(&bars[0]) + row.jacobian[1].dot(&bars[1]);
-                control[channel] += scene.dt() * power;
-                out.dt += u * power;
-                let j_bar = stack(&bars) * (scene.dt() * u);
-                joint_row::geometry_vjp(context, index, free, &j_bar, 0.0, before, out);
+                let side = |s: usize| {
+                    row.bodies[s].map_or_else(Vector3::zeros, |b| {
+                        if scene.is_dynamic(b) { p_bar[b] } else { Vector3::zeros() }
+                    })
+                };
+                let sides = [side(0), side(1)];
+                let power = row.jacobian[0].dot(&sides[0]) + row.jacobian[1].dot(&sides[1]);
+                bars.control[channel] += scene.dt() * power;
+                bars.scene.dt += u * power;
+                let j_bar = stack(&sides) * (scene.dt() * u);
+                joint_row::geometry_vjp(context, index, free, &j_bar, 0.0, bars);
             }
             Control::MotorSpeed { .. } => {}
         }
@@ -61,35 +61,29 @@ pub(crate) fn vjp(
 }
 
 /// The change of p along a direction.
-pub(crate) fn jvp(
-    context: &RowContext<'_>,
-    time: f64,
-    before: &StateVector,
-    control: &[f64],
-    along: &SceneVector,
-) -> Vec<Vector3<f64>> {
+pub(crate) fn jvp(context: &RowContext<'_>, time: f64, along: &Direction<'_>) -> Vec<Vector3<f64>> {
     let scene = context.scene;
     let mut p = vec![Vector3::zeros(); scene.bodies().len()];
     for (i, body) in scene.bodies().iter().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
         let (g, dt) = (gravity(scene, i), scene.dt());
-        let dg = along.gravity * body.gravity_scale;
-        let dv = before.v[i] + Vector3::new(dg.x, dg.y, 0.0) * dt + g * along.dt;
-        let dm = along.bodies[i].mass.component_mul(&(context.v[i] + g * dt));
+        let dg = along.scene.gravity * body.gravity_scale;
+        let dv = along.state.v[i] + Vector3::new(dg.x, dg.y, 0.0) * dt + g * along.scene.dt;
+        let dm = along.scene.bodies[i].mass.component_mul(&(context.v[i] + g * dt));
         p[i] = body.mass.component_mul(&dv) + dm;
     }
     for (k, force) in scene.forces().iter().enumerate().filter(|(_, f)| scene.is_dynamic(f.body)) {
         let (by_time, by_dt) = overlap_derivative(force, time, scene.dt());
-        p[force.body] += along.forces[k] * overlap(force, time, scene.dt());
-        p[force.body] += force.wrench * (by_time * before.time + by_dt * along.dt);
+        p[force.body] += along.scene.forces[k] * overlap(force, time, scene.dt());
+        p[force.body] += force.wrench * (by_time * along.state.time + by_dt * along.scene.dt);
     }
     for (channel, (input, u)) in scene.controls().iter().zip(context.control).enumerate() {
-        let rate = scene.dt() * control[channel] + along.dt * u;
+        let rate = scene.dt() * along.control[channel] + along.scene.dt * u;
         match *input {
             Control::Wrench { body, component } => p[body][component] += rate,
             Control::JointForce { joint } => {
                 let (index, free) = free_row(scene, joint);
                 let row = context.joint_geometry(index, free);
-                let (dj, _) = joint_row::geometry_jvp(context, index, free, before, along);
+                let (dj, _) = joint_row::geometry_jvp(context, index, free, along);
                 for (s, j) in row.jacobian.iter().enumerate() {
                     if let Some(b) = row.bodies[s].filter(|b| scene.is_dynamic(*b)) {
                         p[b] += j * rate + dj.fixed_rows::<3>(3 * s) * (scene.dt() * u);

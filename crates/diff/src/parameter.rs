@@ -68,11 +68,25 @@ pub enum ParameterError {
 }
 
 const OF_BODIES: [&str; 9] = [
-    "mass", "total_mass", "density", "inertia", "friction", "restitution", "radius", "position",
+    "mass",
+    "total_mass",
+    "density",
+    "inertia",
+    "friction",
+    "restitution",
+    "radius",
+    "position",
     "velocity",
 ];
 const OF_JOINTS: [&str; 9] = [
-    "anchor_a", "anchor_b", "length", "motor_speed", "motor_max", "stiffness", "damping", "lower",
+    "anchor_a",
+    "anchor_b",
+    "length",
+    "motor_speed",
+    "motor_max",
+    "stiffness",
+    "damping",
+    "lower",
     "upper",
 ];
 const OF_SCENE: [&str; 3] = ["gravity", "dt", "force"];

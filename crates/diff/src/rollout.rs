@@ -5,7 +5,7 @@ use tangency_core::{Rollout, Scene, State};
 use crate::error::DiffError;
 use crate::report::GradientReport;
 use crate::step::{step_jvp, step_vjp};
-use crate::vector::{RolloutVector, StateVector};
+use crate::vector::{Direction, RolloutVector, StateVector};
 
 /// The gradient of a loss over a rollout, and what was not smooth about it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,9 +58,10 @@ pub fn tangent(
 ) -> Result<Vec<StateVector>, DiffError> {
     let mut changes = vec![along.initial.clone()];
     for (k, record) in rollout.records.iter().enumerate() {
-        let (before, control) = (rollout.state(k), &along.controls[k]);
-        let next = step_jvp(scene, before, record, &changes[k], control, &along.scene)
-            .map_err(|source| source.at(k))?;
+        let (state, control) = (&changes[k], along.controls[k].as_slice());
+        let direction = Direction { state, control, scene: &along.scene };
+        let next =
+            step_jvp(scene, rollout.state(k), record, &direction).map_err(|source| source.at(k))?;
         changes.push(next);
     }
     Ok(changes)

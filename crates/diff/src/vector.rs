@@ -112,6 +112,28 @@ impl SceneVector {
     }
 }
 
+/// Where the gradient by what one step depends on is collected.
+#[derive(Debug)]
+pub(crate) struct Bars<'a> {
+    /// By the state before the step.
+    pub(crate) state: StateVector,
+    /// By the control of the step, one number per channel.
+    pub(crate) control: &'a mut [f64],
+    /// By the scene's numbers.
+    pub(crate) scene: &'a mut SceneVector,
+}
+
+/// A direction of what one step depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct Direction<'a> {
+    /// Of the state before the step.
+    pub state: &'a StateVector,
+    /// Of the control of the step, one number per channel.
+    pub control: &'a [f64],
+    /// Of the scene's numbers.
+    pub scene: &'a SceneVector,
+}
+
 /// By everything that a rollout depends on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RolloutVector {

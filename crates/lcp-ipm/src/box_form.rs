@@ -53,7 +53,9 @@ impl BoxForm {
         }
         let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
         let scale = if largest > 0.0 { largest } else { 1.0 };
-        q.iter_mut().for_each(|q| *q /= scale);
+        for q in &mut q {
+            *q /= scale;
+        }
         let law = |&row: &u32| {
             let row = row as usize;
             match problem.rows[row].law {

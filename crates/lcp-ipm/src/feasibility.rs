@@ -38,9 +38,11 @@ fn violation(problem: &Lcp, settings: &InteriorPoint, softness: f64) -> Option<f
     let settings = InteriorPoint { tell_infeasible: false, ..*settings };
     let solution = settings.solve(&softened, None, &mut Scratch::default()).ok()?;
     let metric = Metric::new(&softened);
-    let violation = solution.impulses.iter().zip(&metric.root).fold(0.0_f64, |worst, (y, root)| {
-        worst.max(softness * (y * root).abs())
-    });
+    let violation = solution
+        .impulses
+        .iter()
+        .zip(&metric.root)
+        .fold(0.0_f64, |worst, (y, root)| worst.max(softness * (y * root).abs()));
     Some(violation / metric.scale)
 }
 

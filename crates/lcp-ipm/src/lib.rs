@@ -4,15 +4,15 @@
 //! Knows [`Lcp`](tangency_lcp::Lcp) and nothing physical. Read `solve` (the order of the stages),
 //! `box_form` (the problem as the interior point sees it), `newton`, `mehrotra`.
 
-mod solve;
 mod box_form;
-mod newton;
-mod mehrotra;
-mod lemke;
-mod pivoting;
 mod feasibility;
+mod lemke;
+mod mehrotra;
+mod newton;
+mod pivoting;
 mod raw;
 mod raw_active;
+mod solve;
 
-pub use solve::InteriorPoint;
 pub use raw::{RawLcp, RawSolution, solve_raw};
+pub use solve::InteriorPoint;

@@ -68,7 +68,8 @@ impl<'a> Loop<'a> {
     /// One iteration; false if the loop has nothing more to give.
     pub(crate) fn advance(&mut self) -> bool {
         let step = self.direction();
-        let length = self.pace.to_boundary * self.at.longest(self.form, &step, 1.0 / self.pace.to_boundary);
+        let length =
+            self.pace.to_boundary * self.at.longest(self.form, &step, 1.0 / self.pace.to_boundary);
         if !length.is_finite() || step.y.iter().any(|dy| !dy.is_finite()) {
             return false;
         }

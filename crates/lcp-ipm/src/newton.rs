@@ -48,10 +48,8 @@ impl Iterate {
                 }
                 BoxLaw::Bounded { max: bound } | BoxLaw::Friction { mu: bound, .. } => {
                     let s = bound.max(0.01);
-                    iterate.pairs[slot] = [
-                        Pair { x: s, z: 1.0 + (-u).max(0.0) },
-                        Pair { x: s, z: 1.0 + u.max(0.0) },
-                    ];
+                    iterate.pairs[slot] =
+                        [Pair { x: s, z: 1.0 + (-u).max(0.0) }, Pair { x: s, z: 1.0 + u.max(0.0) }];
                 }
             }
         }
@@ -60,7 +58,10 @@ impl Iterate {
 
     /// The pairs in use.
     pub(crate) fn live<'a>(&'a self, form: &'a BoxForm) -> impl Iterator<Item = Pair> + 'a {
-        form.laws.iter().zip(&self.pairs).flat_map(|(law, pairs)| pairs[..pair_count(*law)].iter().copied())
+        form.laws
+            .iter()
+            .zip(&self.pairs)
+            .flat_map(|(law, pairs)| pairs[..pair_count(*law)].iter().copied())
     }
 
     /// Mean product of the pairs.
@@ -127,7 +128,9 @@ impl<'a> Newton<'a> {
             match *law {
                 BoxLaw::Free => {}
                 BoxLaw::Positive => matrix.add(slot, slot, plus.z / plus.x),
-                BoxLaw::Bounded { .. } => matrix.add(slot, slot, plus.z / plus.x + minus.z / minus.x),
+                BoxLaw::Bounded { .. } => {
+                    matrix.add(slot, slot, plus.z / plus.x + minus.z / minus.x);
+                }
                 BoxLaw::Friction { normal, mu } => {
                     let (d_plus, d_minus) = (plus.z / plus.x, minus.z / minus.x);
                     matrix.add(slot, slot, d_plus + d_minus);
@@ -157,7 +160,8 @@ impl<'a> Newton<'a> {
             let second = predictor.map_or(0.0, |p| p.pairs[slot][k].x * p.pairs[slot][k].z);
             pair.x * pair.z + second - target
         };
-        let rhs: Vec<f64> = (0..self.form.len()).map(|slot| self.right_side(slot, wanted)).collect();
+        let rhs: Vec<f64> =
+            (0..self.form.len()).map(|slot| self.right_side(slot, wanted)).collect();
         let y = self.solve(&rhs);
         let mut step = Iterate { pairs: vec![[Pair::default(); 2]; y.len()], y };
         let along = self.form.matrix.times(&step.y);

@@ -97,7 +97,8 @@ fn first_pairs<'a>(form: &'a BoxForm, N: &'a [usize]) -> impl Iterator<Item = us
 
 /// y_N = T z.
 fn split(form: &BoxForm, N: &[usize]) -> DMatrix<f64> {
-    let pairs: usize = N.iter().map(|&slot| if form.laws[slot] == BoxLaw::Positive { 1 } else { 3 }).sum();
+    let pairs: usize =
+        N.iter().map(|&slot| if form.laws[slot] == BoxLaw::Positive { 1 } else { 3 }).sum();
     let mut T = DMatrix::zeros(N.len(), pairs);
     for ((k, &slot), pair) in N.iter().enumerate().zip(first_pairs(form, N)) {
         T[(k, pair)] = 1.0;

@@ -72,7 +72,11 @@ impl RawLcp {
         let w = &self.matrix * z + &self.q;
         let defect = |i: usize| if i < self.free { w[i] } else { z[i].min(w[i]) };
         let worst = (0..w.len()).fold(0.0_f64, |worst, i| {
-            if z[i].is_finite() && w[i].is_finite() { worst.max(defect(i).abs()) } else { f64::INFINITY }
+            if z[i].is_finite() && w[i].is_finite() {
+                worst.max(defect(i).abs())
+            } else {
+                f64::INFINITY
+            }
         });
         worst / (1.0 + self.q.amax())
     }
@@ -113,9 +117,8 @@ impl RawLcp {
             let (what, expected, found) = ("free", n, self.free);
             return Err(LcpError::DimensionMismatch { what, expected, found });
         }
-        match (0..n).find(|&i| !self.q[i].is_finite()) {
-            Some(index) => return Err(LcpError::NotFinite { what: "q", index }),
-            None => {}
+        if let Some(index) = (0..n).find(|&i| !self.q[i].is_finite()) {
+            return Err(LcpError::NotFinite { what: "q", index });
         }
         match (0..n).find(|&i| self.matrix.row(i).iter().any(|entry| !entry.is_finite())) {
             Some(index) => Err(LcpError::NotFinite { what: "matrix row", index }),
@@ -127,9 +130,9 @@ impl RawLcp {
     fn box_form(&self) -> BoxForm {
         let n = self.q.len();
         let scale = equilibrate(&self.matrix);
-        let mut matrix = BandMatrix::zeros(n, n.saturating_sub(1));
-        for j in 0..n {
-            for i in 0..n {
+        let mut matrix = BandMatrix::zeros(n, half_width(&self.matrix));
+        for i in 0..n {
+            for j in matrix.columns(i) {
                 matrix.add(i, j, scale[i] * self.matrix[(i, j)] * scale[j]);
             }
         }
@@ -145,6 +148,13 @@ impl RawLcp {
             rows: (0..u32::try_from(n).unwrap_or(u32::MAX)).collect(),
         }
     }
+}
+
+/// Greatest distance of a non-zero entry from the diagonal.
+fn half_width(M: &DMatrix<f64>) -> usize {
+    let n = M.nrows();
+    let entries = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+    entries.filter(|&at| M[at] != 0.0).map(|(i, j)| i.abs_diff(j)).max().unwrap_or(0)
 }
 
 /// Symmetric scaling by powers of two towards largest entries of one in every row and column
@@ -183,7 +193,8 @@ pub fn solve_raw(problem: &RawLcp, settings: &InteriorPoint) -> Result<RawSoluti
         return Ok(RawSolution::empty());
     }
     let form = problem.box_form();
-    let mut search = RawSearch { problem, settings, form: &form, best: None, iterations: 0, pivots: 0 };
+    let mut search =
+        RawSearch { problem, settings, form: &form, best: None, iterations: 0, pivots: 0 };
     search.interior(BOLD);
     if !search.reached() {
         search.interior(CAREFUL);
@@ -254,14 +265,23 @@ impl RawSearch<'_> {
 
     fn active(&self, y: &[f64]) -> Vec<bool> {
         let u = self.form.remainders(y);
-        self.form.laws.iter().zip(y.iter().zip(&u)).map(|(law, (y, u))| *law == BoxLaw::Free || y > u).collect()
+        self.form
+            .laws
+            .iter()
+            .zip(y.iter().zip(&u))
+            .map(|(law, (y, u))| *law == BoxLaw::Free || y > u)
+            .collect()
     }
 
     /// Offers the iterate itself and what the active-set loop makes of it.
     fn polish(&mut self, y: &[f64]) {
         let z = DVector::from_vec(self.form.impulses(y));
         self.offer(Candidate::plain(self.problem, z.clone()));
-        let loop_ = ActiveSet { problem: self.problem, form: self.form, max_flips: self.settings.max_flips };
+        let loop_ = ActiveSet {
+            problem: self.problem,
+            form: self.form,
+            max_flips: self.settings.max_flips,
+        };
         let found = loop_.run(self.active(y), y, self.settings.tolerance);
         self.offer(found);
     }

@@ -105,7 +105,9 @@ impl ActiveSet<'_> {
             return least;
         }
         let mut from = vec![0.0; active.len()];
-        slots.iter().for_each(|&i| from[i] = start[i]);
+        for &i in &slots {
+            from[i] = start[i];
+        }
         let near = solve(from);
         if near.1.residual < least.1.residual { near } else { least }
     }
@@ -155,10 +157,10 @@ struct System {
 impl System {
     fn new(form: &BoxForm, slots: &[usize]) -> Self {
         let n = slots.len();
-        let mut M = BandMatrix::zeros(n, n.saturating_sub(1));
+        let mut M = BandMatrix::zeros(n, form.matrix.lower());
         for (i, &row) in slots.iter().enumerate() {
-            for (j, &column) in slots.iter().enumerate() {
-                M.add(i, j, form.entry(row, column));
+            for j in M.columns(i) {
+                M.add(i, j, form.entry(row, slots[j]));
             }
             M.add(i, i, PROXIMAL);
         }

@@ -69,9 +69,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
-        let reached = guess.is_some_and(|guess| self.warm(guess))
-            || self.cold()
-            || self.enclosed();
+        let reached = guess.is_some_and(|guess| self.warm(guess)) || self.cold() || self.enclosed();
         self.finish(reached)
     }
 
@@ -166,9 +164,10 @@ impl Search<'_> {
         if reached || residual <= self.settings.acceptance {
             Ok(LcpSolution { stats: self.stats, ..best.solution })
         } else {
-            let conflict = self.settings.tell_infeasible.then(|| {
-                conflict(self.polish.problem, &self.settings)
-            });
+            let conflict = self
+                .settings
+                .tell_infeasible
+                .then(|| conflict(self.polish.problem, &self.settings));
             match conflict.flatten() {
                 Some(residual) => Err(LcpError::Infeasible { residual }),
                 None => Err(LcpError::NotConverged { iterations, residual }),

@@ -176,8 +176,9 @@ impl Lu {
             x.swap(k, self.exchanged[k] as usize);
             let value = x[k];
             if value != 0.0 {
-                for i in k + 1..(k + self.matrix.lower + 1).min(n) {
-                    x[i] -= self.matrix.get(i, k) * value;
+                let below = (k + self.matrix.lower + 1).min(n);
+                for (i, entry) in x.iter_mut().enumerate().take(below).skip(k + 1) {
+                    *entry -= self.matrix.get(i, k) * value;
                 }
             }
         }

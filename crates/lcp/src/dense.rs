@@ -191,7 +191,14 @@ impl PaperForm {
         let velocities: Vec<Vector3<f64>> =
             at.x.as_slice().chunks_exact(3).map(|x| -Vector3::new(x[0], x[1], x[2])).collect();
         let slacks = problem.remainders(&velocities, &impulses);
-        LcpSolution { velocities, impulses, slacks, modes, stats: SolveStats::default(), system: None }
+        LcpSolution {
+            velocities,
+            impulses,
+            slacks,
+            modes,
+            stats: SolveStats::default(),
+            system: None,
+        }
     }
 }
 

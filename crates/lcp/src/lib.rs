@@ -6,21 +6,21 @@
 //! every row's mode is known; the polish, which turns a guess of the modes into an exact solution;
 //! the trait that backends implement; the paper's dense form.
 
-mod problem;
-mod validate;
-mod rows;
-mod solution;
-mod residual;
-mod band;
-mod order;
-mod delassus;
 mod active_set;
-mod modes;
-mod polish;
-mod solver;
-mod linear;
+mod band;
+mod delassus;
 mod dense;
 mod error;
+mod linear;
+mod modes;
+mod order;
+mod polish;
+mod problem;
+mod residual;
+mod rows;
+mod solution;
+mod solver;
+mod validate;
 
 pub use active_set::{ActiveSystem, Fold, Reduced};
 pub use band::{BandMatrix, Cholesky, Lu};
@@ -34,4 +34,3 @@ pub use problem::{Law, Lcp, NO_BODY, Row};
 pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
-

@@ -52,11 +52,9 @@ impl Reading<'_> {
         for (i, row) in self.problem.rows.iter().enumerate() {
             let (y, u) = self.scaled(i);
             let mode = match (row.law, modes[i]) {
-                (Law::Equality, _) => Mode::Active,
-                (Law::Unilateral, Mode::Active) if y >= -slack => Mode::Active,
+                (Law::Unilateral, Mode::Active) if y < -slack => Mode::Open,
                 (Law::Unilateral, Mode::Open) if u >= -slack => Mode::Open,
-                (Law::Unilateral, Mode::Active) => Mode::Open,
-                (Law::Unilateral, _) => Mode::Active,
+                (Law::Equality | Law::Unilateral, _) => Mode::Active,
                 (Law::Friction { normal, .. }, _) if next[normal as usize] == Mode::Open => {
                     Mode::Open
                 }
@@ -84,7 +82,8 @@ impl Reading<'_> {
         match self.problem.rows[row].law {
             Law::Friction { normal, mu } => {
                 let normal = normal as usize;
-                let ahead = self.impulses[normal] - self.slacks[normal] / self.metric.root[normal].powi(2);
+                let ahead =
+                    self.impulses[normal] - self.slacks[normal] / self.metric.root[normal].powi(2);
                 mu * ahead.max(self.impulses[normal]).max(0.0) * self.metric.root[row]
             }
             law => self.metric.bound(law, row, self.impulses),

@@ -45,7 +45,11 @@ pub(crate) fn narrow(problem: &Lcp, rows: &mut Vec<u32>) -> usize {
 /// far end of a first walk, neighbours come by degree and then by index.
 fn cuthill_mckee(problem: &Lcp, rows: &[u32]) -> Vec<usize> {
     let bodies = problem.mass.len();
-    let graph = Graph { problem, rows, touching: Touching::new(problem, rows.iter().map(|&row| row as usize)) };
+    let graph = Graph {
+        problem,
+        rows,
+        touching: Touching::new(problem, rows.iter().map(|&row| row as usize)),
+    };
     let mut position = vec![usize::MAX; bodies];
     let mut count = 0;
     for body in 0..bodies {

@@ -50,7 +50,8 @@ impl Polished {
     /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual.
     #[must_use]
     pub fn rounding(&self, metric: &Metric) -> f64 {
-        let scaled = self.solution.impulses.iter().zip(&metric.root).map(|(y, root)| y.abs() * root);
+        let scaled =
+            self.solution.impulses.iter().zip(&metric.root).map(|(y, root)| y.abs() * root);
         metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max))
     }
 
@@ -237,7 +238,11 @@ impl Polish<'_> {
                 Law::Bounded { .. } | Law::Friction { .. }
                     if y.abs() >= bound - WEAK * self.metric.scale =>
                 {
-                    if y > 0.0 { Mode::Upper } else { Mode::Lower }
+                    if y > 0.0 {
+                        Mode::Upper
+                    } else {
+                        Mode::Lower
+                    }
                 }
                 _ => Mode::Active,
             };
@@ -263,7 +268,13 @@ fn last_correction(modes: &[Mode], next: &[Mode]) -> Vec<Mode> {
 fn effective(problem: &Lcp, modes: &[Mode]) -> Vec<Mode> {
     let mode = |(row, &mode): (&crate::Row, &Mode)| match row.law {
         Law::Equality => Mode::Active,
-        Law::Unilateral => if mode == Mode::Active { mode } else { Mode::Open },
+        Law::Unilateral => {
+            if mode == Mode::Active {
+                mode
+            } else {
+                Mode::Open
+            }
+        }
         Law::Bounded { .. } => mode,
         Law::Friction { normal, .. } => {
             if modes[normal as usize] == Mode::Active && mode != Mode::Open {

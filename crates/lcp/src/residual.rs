@@ -112,7 +112,8 @@ impl Lcp {
         let (v, impulses) = (&solution.velocities, &solution.impulses);
         assert_eq!(v.len(), self.mass.len(), "a velocity per body");
         assert_eq!(impulses.len(), self.rows.len(), "an impulse per row");
-        let mut residual = Residual { momentum: self.momentum_defect(metric, solution), ..Residual::default() };
+        let mut residual =
+            Residual { momentum: self.momentum_defect(metric, solution), ..Residual::default() };
         for (i, row) in self.rows.iter().enumerate() {
             let remainder = row.velocity(v) + row.compliance * impulses[i] - row.rhs;
             let (y, u) = (impulses[i] * metric.root[i], remainder / metric.root[i]);

@@ -48,8 +48,10 @@ pub fn motor_arm() -> SceneDef {
 /// a force in a window of time.
 #[must_use]
 pub fn spring_cart() -> SceneDef {
-    let cart = BodyDef { mass: Some(1.2), ..block("cart", [0.4, 0.2], [0.0, 0.0]) };
-    let bob = BodyDef { mass: Some(0.5), ..disc("bob", 0.1, [0.3, -0.8]) };
+    let bodies = vec![
+        BodyDef { mass: Some(1.2), ..block("cart", [0.4, 0.2], [0.0, 0.0]) },
+        BodyDef { mass: Some(0.5), ..disc("bob", 0.1, [0.3, -0.8]) },
+    ];
     let limits = Limits { lower: None, upper: Some(0.05) };
     let joints = vec![
         joint(

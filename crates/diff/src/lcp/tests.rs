@@ -117,10 +117,7 @@ fn single_contact_sticks_or_slips() {
 fn supported(speed: f64) -> Lcp {
     let rows = [-0.5, 0.5].into_iter().enumerate().flat_map(|(k, x)| {
         let normal = u32::try_from(2 * k).expect("two supports");
-        [
-            row([0.0, 1.0, x], 0.0, Law::Unilateral),
-            row([1.0, 0.0, 0.5], 0.0, friction(normal, 0.5)),
-        ]
+        [row([0.0, 1.0, x], 0.0, Law::Unilateral), row([1.0, 0.0, 0.5], 0.0, friction(normal, 0.5))]
     });
     body([1.0, 1.0, 1.0 / 6.0], [speed, -0.1, 0.0], rows.collect())
 }
@@ -316,10 +313,15 @@ fn random_problems_in_both_modes_and_against_differences() {
         if margin < 1e-3 {
             continue;
         }
-        solution.modes.iter().for_each(|mode| if !seen.contains(mode) { seen.push(*mode) });
+        solution.modes.iter().for_each(|mode| {
+            if !seen.contains(mode) {
+                seen.push(*mode)
+            }
+        });
         let mut random = Random(seed);
         let velocity_bar: Vec<V> = (0..3).map(|_| random.vector(1.0)).collect();
-        let impulse_bar: Vec<f64> = problem.rows.iter().map(|_| random.between(-1.0, 1.0)).collect();
+        let impulse_bar: Vec<f64> =
+            problem.rows.iter().map(|_| random.between(-1.0, 1.0)).collect();
         let bars = Some(&impulse_bar[..]);
         let (bar, report) = lcp_vjp(&problem, &solution, &velocity_bar, bars).expect("vjp");
         assert_eq!(report.weak, []);

@@ -2,6 +2,11 @@
 
 #![expect(non_snake_case, reason = "matrices carry their names from the paper")]
 
+// Hard problems from seeds,
 mod problems;
-mod raw;
+// how many of them are solved,
 mod reliability;
+// mixed problems with known answers,
+mod mixed;
+// and raw ones.
+mod raw;

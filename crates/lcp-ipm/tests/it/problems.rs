@@ -148,8 +148,8 @@ fn wall_contacts(b: &mut Builder, body: u32, [x, y]: [f64; 2], columns: usize, m
             b.contact([NO_BODY, body], [x + side, 0.0], Vector2::y(), 0.0, mu);
         }
     }
-    for other in bodies.len().saturating_sub(columns + 2)..bodies.len() - 1 {
-        let centre = bodies[other];
+    let near = bodies.len().saturating_sub(columns + 2);
+    for (other, centre) in bodies.iter().enumerate().take(bodies.len() - 1).skip(near) {
         let (dx, dy) = (x - centre.x, y + 0.5 - centre.y);
         let other = u32::try_from(other).expect("few bodies");
         if (dy - 1.0).abs() < 1e-9 && dx.abs() < 0.99 {
@@ -168,7 +168,8 @@ pub(crate) fn wedge(random: &mut Random) -> Lcp {
     let half = random.between(0.05, 1.3);
     let mu = random.between(0.0, 3.0);
     let mut b = Builder::default();
-    let velocity = [random.between(-1.0, 1.0), random.between(-3.0, 0.0), random.between(-5.0, 5.0)];
+    let velocity =
+        [random.between(-1.0, 1.0), random.between(-3.0, 0.0), random.between(-5.0, 5.0)];
     let body = b.body([0.0, 0.0], [1.0, 0.3], velocity);
     let points = random.index(2) + 1;
     for side in [-1.0, 1.0] {
@@ -302,8 +303,11 @@ fn pile_contacts(b: &mut Builder, random: &mut Random, body: u32, mu: f64, noise
     }
 }
 
+/// Makes one problem.
+pub(crate) type Class = fn(&mut Random) -> Lcp;
+
 /// Every class by name.
-pub(crate) const CLASSES: [(&str, fn(&mut Random) -> Lcp); 9] = [
+pub(crate) const CLASSES: [(&str, Class); 9] = [
     ("stack", |random| stack(random, 1.0)),
     ("mass ratio", |random| {
         let ratio = random.pick(&[1e-6, 1e-4, 1e-2, 1e2, 1e4, 1e6]);

@@ -66,21 +66,27 @@ fn weakly_active_and_degenerate_problems() {
 fn one_of_several_solutions() {
     let z = solved(&raw(&[&[1.0, 2.0], &[2.0, 1.0]], &[-1.0, -1.0])).z;
     let answers = [[0.0, 1.0], [1.0, 0.0], [1.0 / 3.0, 1.0 / 3.0]];
-    assert!(answers.iter().any(|answer| (z[0] - answer[0]).abs() < 1e-8 && (z[1] - answer[1]).abs() < 1e-8), "{z}");
+    assert!(
+        answers
+            .iter()
+            .any(|answer| (z[0] - answer[0]).abs() < 1e-8 && (z[1] - answer[1]).abs() < 1e-8),
+        "{z}"
+    );
 
     let rows: [&[f64]; 3] = [&[0.0, 1.0, 0.0], &[0.0, 0.0, 1.0], &[0.0, -1.0, 1.0]];
     let z = solved(&raw(&rows, &[0.0, 0.0, 1.0])).z;
     let alone = (z[1] - 1.0).abs() < 1e-8 && z[0].abs() < 1e-8;
     assert!(z[2].abs() < 1e-8 && (alone || (z[1].abs() < 1e-8 && z[0] >= -1e-8)), "{z}");
 
-    let rows: [&[f64]; 4] =
-        [&[6.0, 2.0, 1.0, 3.0], &[5.0, 0.0, 10.0, 2.0], &[6.0, 1.0, 2.0, 9.0], &[2.0, 0.0, 2.0, 3.0]];
-    let z = solved(&raw(&rows, &[-9.0, -4.0, -12.0, -4.0])).z;
-    let answers = [
-        [1.0, 0.0, 3.0, 0.0],
-        [1.25, 0.0, 0.0, 0.5],
-        [4.0 / 11.0, 39.0 / 22.0, 0.0, 12.0 / 11.0],
+    let rows: [&[f64]; 4] = [
+        &[6.0, 2.0, 1.0, 3.0],
+        &[5.0, 0.0, 10.0, 2.0],
+        &[6.0, 1.0, 2.0, 9.0],
+        &[2.0, 0.0, 2.0, 3.0],
     ];
+    let z = solved(&raw(&rows, &[-9.0, -4.0, -12.0, -4.0])).z;
+    let answers =
+        [[1.0, 0.0, 3.0, 0.0], [1.25, 0.0, 0.0, 0.5], [4.0 / 11.0, 39.0 / 22.0, 0.0, 12.0 / 11.0]];
     assert!(
         answers.iter().any(|answer| z.iter().zip(answer).all(|(z, a)| (z - a).abs() < 1e-8)),
         "{z}"
@@ -89,8 +95,12 @@ fn one_of_several_solutions() {
 
 #[test]
 fn bimatrix_game() {
-    let rows: [&[f64]; 4] =
-        [&[0.0, 0.0, -1.0, -3.0], &[0.0, 0.0, -2.0, -1.0], &[1.0, 2.0, 0.0, 0.0], &[3.0, 1.0, 0.0, 0.0]];
+    let rows: [&[f64]; 4] = [
+        &[0.0, 0.0, -1.0, -3.0],
+        &[0.0, 0.0, -2.0, -1.0],
+        &[1.0, 2.0, 0.0, 0.0],
+        &[3.0, 1.0, 0.0, 0.0],
+    ];
     let solution = solved(&raw(&rows, &[3.0, 2.0, -4.0, -6.0]));
     near(solution.z.as_slice(), &[1.6, 1.2, 0.6, 0.8], 1e-10);
 }
@@ -147,7 +157,7 @@ fn circulant_p_matrix_on_which_block_corrections_cycle() {
 
 #[test]
 fn diagonal_tridiagonal_and_hilbert() {
-    let n = 300;
+    let n = 1000;
     let diagonal = DVector::from_fn(n, |i, _| (i + 1) as f64 / n as f64);
     let matrix = DMatrix::from_diagonal(&diagonal);
     let z = solved(&RawLcp { free: 0, matrix, q: DVector::from_element(n, -1.0) }).z;
@@ -158,7 +168,8 @@ fn diagonal_tridiagonal_and_hilbert() {
         1 => -1.0,
         _ => 0.0,
     });
-    let wave = DVector::from_fn(n, |i, _| (6.0 * std::f64::consts::PI * (i + 1) as f64 / n as f64).sin());
+    let wave =
+        DVector::from_fn(n, |i, _| (6.0 * std::f64::consts::PI * (i + 1) as f64 / n as f64).sin());
     let (z, w) = (wave.map(|s| s.max(0.0)), wave.map(|s| (-s).max(0.0)));
     let q = w - &tridiagonal * &z;
     let found = solved(&RawLcp { free: 0, matrix: tridiagonal, q }).z;
@@ -166,8 +177,14 @@ fn diagonal_tridiagonal_and_hilbert() {
 
     let hilbert = DMatrix::from_fn(8, 8, |i, j| 1.0 / (i + j + 1) as f64);
     let q = [
-        -287.0 / 120.0, -11.0 / 18.0, -53.0 / 42.0, -145.0 / 264.0,
-        -379.0 / 420.0, 941.0 / 780.0, 403.0 / 1386.0, -77.0 / 120.0,
+        -287.0 / 120.0,
+        -11.0 / 18.0,
+        -53.0 / 42.0,
+        -145.0 / 264.0,
+        -379.0 / 420.0,
+        941.0 / 780.0,
+        403.0 / 1386.0,
+        -77.0 / 120.0,
     ];
     let solution = solved(&RawLcp { free: 0, matrix: hilbert, q: DVector::from_column_slice(&q) });
     assert!(solution.residual <= 1e-12);

@@ -1,0 +1,256 @@
+//! `tangency gradient`: the value of a loss over a rollout, and its gradient.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use serde::Serialize;
+use tangency::diff::{OneSided, Parameter, WeakKind};
+use tangency::{Rollout, RowSource, Scene};
+use tangency_bench::finite_difference::derivative;
+
+use crate::args::positive;
+use crate::grid::Grid;
+use crate::loss::Loss;
+use crate::objective::{Evaluation, Objective};
+use crate::simulate::{find_solver, n_steps, scene_with};
+use crate::{Console, Failure};
+
+/// The options of `gradient`.
+#[derive(Args, Debug)]
+pub struct Arguments {
+    /// Scene file, .toml or .json
+    pub scene: PathBuf,
+    /// Formula over the final state, such as `ball.x^2 + 0.1*ball.vy`, or a trajectory file
+    ///
+    /// A formula knows BODY.x, .y, .angle, .vx, .vy, .omega, the operators + - * / ^, pi, sin, cos,
+    /// tan, exp, ln, sqrt and abs. A trajectory (CSV as `simulate` writes it) stands for the mean
+    /// squared error of all its poses, compared at equal times.
+    #[arg(long, allow_hyphen_values = true)]
+    pub loss: String,
+    /// Parameters, such as `mass:links,velocity.x:ball,gravity.y`
+    #[arg(long, required = true, value_delimiter = ',')]
+    pub wrt: Vec<String>,
+    /// Number of steps [default: to the end of the trajectory, or of the scene]
+    #[arg(long, conflicts_with = "duration")]
+    pub steps: Option<usize>,
+    /// How long to run, s
+    #[arg(long, value_parser = positive)]
+    pub duration: Option<f64>,
+    /// Time step, s [default: the scene's]
+    #[arg(long, value_parser = positive)]
+    pub dt: Option<f64>,
+    /// Compare with extrapolated central differences; fails if they disagree
+    #[arg(long)]
+    pub check: bool,
+    /// Greatest relative difference that --check lets pass
+    #[arg(long, default_value = "1e-6", value_parser = positive)]
+    pub tolerance: f64,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    /// Solver of the complementarity problems
+    #[arg(long, default_value = "ipm")]
+    pub backend: String,
+}
+
+/// What is printed.
+#[derive(Debug, Serialize)]
+struct Report {
+    loss: f64,
+    steps: usize,
+    duration: f64,
+    parameters: Vec<ParameterReport>,
+    /// Steps and rows at which the derivative is one-sided.
+    one_sided: Vec<String>,
+    residual: f64,
+    forward_seconds: f64,
+    reverse_seconds: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct ParameterReport {
+    name: String,
+    value: f64,
+    gradient: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    difference: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    relative_error: Option<f64>,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// Bad input, a step that failed, or a check that did not pass.
+pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
+    let solver = find_solver(&arguments.backend)?;
+    let scene = scene_with(&arguments.scene, arguments.dt)?;
+    let parameters = Parameter::parse_all(&scene, &arguments.wrt)?;
+    let loss = Loss::parse(&arguments.loss, &scene)?;
+    let steps = arguments.steps.unwrap_or_else(|| {
+        let duration = arguments.duration.unwrap_or_else(|| match &loss {
+            Loss::Formula(_) => scene.def().duration,
+            Loss::Observed(observed) => observed.end(),
+        });
+        n_steps(duration, scene.dt())
+    });
+    let solver = solver.as_ref();
+    let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
+    let values = objective.values();
+    let evaluation = objective.evaluate(&loss, &values)?;
+    let differences = if arguments.check {
+        Some(differences(&objective, &loss, &values, console))
+    } else {
+        None
+    };
+    let (_, rollout) = objective.rollout(&values)?;
+    let report = Report::new(&objective, &rollout, &evaluation, differences.as_deref());
+    if arguments.json {
+        console.say(serde_json::to_string_pretty(&report).unwrap_or_default());
+    } else {
+        console.say(report.text());
+    }
+    report.judge(arguments.tolerance)
+}
+
+/// Extrapolated central differences by every parameter; not a number where a step failed.
+fn differences(
+    objective: &Objective<'_>,
+    loss: &Loss,
+    values: &[f64],
+    console: &Console,
+) -> Vec<f64> {
+    let progress = console.progress(values.len(), "differences");
+    let by = |index: usize| {
+        let difference = difference(objective, loss, values, index);
+        progress.inc(1);
+        difference
+    };
+    let found = (0..values.len()).map(by).collect();
+    progress.finish_and_clear();
+    found
+}
+
+/// The extrapolated central difference by one parameter.
+#[must_use]
+pub fn difference(objective: &Objective<'_>, loss: &Loss, values: &[f64], index: usize) -> f64 {
+    let value = values[index];
+    let step = DIFFERENCE_STEP * if value == 0.0 { 1.0 } else { value.abs() };
+    let loss_at = |value: f64| {
+        let mut values = values.to_vec();
+        values[index] = value;
+        objective.value(loss, &values).unwrap_or(f64::NAN)
+    };
+    derivative(loss_at, value, step).value
+}
+
+/// Largest step of the differences, relative to the parameter's value.
+const DIFFERENCE_STEP: f64 = 1e-4;
+
+/// |a − b| relative to the larger of them; 0 if both are 0.
+#[must_use]
+pub fn relative_error(a: f64, b: f64) -> f64 {
+    let size = a.abs().max(b.abs());
+    if size == 0.0 { 0.0 } else { (a - b).abs() / size }
+}
+
+impl Report {
+    fn new(
+        objective: &Objective<'_>,
+        rollout: &Rollout,
+        found: &Evaluation,
+        differences: Option<&[f64]>,
+    ) -> Self {
+        let parameter = |(index, parameter): (usize, &Parameter)| {
+            let gradient = found.gradient[index];
+            let difference = differences.map(|list| list[index]);
+            ParameterReport {
+                name: parameter.name.clone(),
+                value: parameter.value(objective.scene),
+                gradient,
+                difference,
+                relative_error: difference.map(|d| relative_error(gradient, d)),
+            }
+        };
+        let one_sided = &found.report.one_sided;
+        Self {
+            loss: found.loss,
+            steps: objective.steps,
+            duration: rollout.last().time,
+            parameters: objective.parameters.iter().enumerate().map(parameter).collect(),
+            one_sided: one_sided.iter().map(|it| describe(it, objective.scene, rollout)).collect(),
+            residual: found.residual,
+            forward_seconds: found.forward.as_secs_f64(),
+            reverse_seconds: found.reverse.as_secs_f64(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let checked = self.parameters.iter().any(|p| p.difference.is_some());
+        let mut heading = vec!["parameter", "value", "gradient"];
+        if checked {
+            heading.extend(["difference", "relative error"]);
+        }
+        let mut grid = Grid::with_heading(heading.into_iter().map(str::to_owned).collect());
+        for p in &self.parameters {
+            let mut cells = vec![p.name.clone(), p.value.to_string(), exact(p.gradient)];
+            cells.extend(p.difference.map(exact));
+            cells.extend(p.relative_error.map(|error| format!("{error:.1e}")));
+            grid.row(cells);
+        }
+        let mut text = format!(
+            "loss {} after {} steps ({:.6} s); rollout {:.1} ms, reverse pass {:.1} ms\n\n{grid}",
+            self.loss,
+            self.steps,
+            self.duration,
+            1e3 * self.forward_seconds,
+            1e3 * self.reverse_seconds,
+        );
+        if !self.one_sided.is_empty() {
+            text += &format!(
+                "\n\nThe derivative is one-sided: {} row(s) lie on a switch. The first: {}",
+                self.one_sided.len(),
+                self.one_sided[0]
+            );
+        }
+        text
+    }
+
+    /// Fails unless every difference confirms its gradient.
+    fn judge(&self, tolerance: f64) -> Result<(), Failure> {
+        let passes = |p: &&ParameterReport| p.relative_error.is_none_or(|e| e <= tolerance);
+        let Some(worst) = self.parameters.iter().find(|p| !passes(p)) else { return Ok(()) };
+        Err(Failure::Check {
+            name: worst.name.clone(),
+            relative_error: worst.relative_error.unwrap_or(f64::NAN),
+            tolerance,
+        })
+    }
+}
+
+fn exact(number: f64) -> String {
+    format!("{number:.10e}")
+}
+
+/// What lies on a switch, in words.
+fn describe(it: &OneSided, scene: &Scene, rollout: &Rollout) -> String {
+    let joint = |j: u32| format!("joint {}", scene.joints()[j as usize].name);
+    let contact = |c: u32| {
+        let bodies = rollout.records[it.step].contacts.get(c as usize).map(|contact| {
+            contact.feature.id.bodies.map(|b| scene.bodies()[b as usize].name.as_str())
+        });
+        bodies.map_or_else(|| "a contact".into(), |[a, b]| format!("contact of {a} and {b}"))
+    };
+    let what = match it.source {
+        RowSource::Held { joint: j, .. } | RowSource::Motor { joint: j } => joint(j),
+        RowSource::Lower { joint: j } => format!("lower limit of {}", joint(j)),
+        RowSource::Upper { joint: j } => format!("upper limit of {}", joint(j)),
+        RowSource::Normal { contact: c } | RowSource::Tangent { contact: c } => contact(c),
+    };
+    let between = match it.kind {
+        WeakKind::Touching => "open or closed",
+        WeakKind::Slipping => "sticking or sliding",
+        WeakKind::Saturating => "holding or at its greatest effort",
+    };
+    format!("step {}, {what}: {between}", it.step + 1)
+}

@@ -1,0 +1,9 @@
+//! The engine as its users see it, on every backend of the build.
+//!
+//! Modules by question; what they share is [`engine`] (runs on every backend) and [`slope`]
+//! (derivatives of runs). Scenes and the finite difference come from `tangency-bench`.
+
+mod engine;
+mod slope;
+
+mod validation;
