@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 use tangency_lcp::Law;
 
 use crate::detect::contacts_within;
+use crate::record::Path;
 use crate::row::{RowContext, RowSource, Stage};
 use crate::scene::Scene;
-use crate::step::{Path, set_up};
+use crate::step::set_up;
 use crate::{BodyKind, JointRow, State, StepError};
 
 /// Rows and bodies of one island.

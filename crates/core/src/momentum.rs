@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
+use crate::model::{Control, Force};
 use crate::row::RowContext;
-use crate::scene::{Control, Force, Scene};
+use crate::scene::Scene;
 
 /// p per body, (N·s, N·s, N·m·s); zero for bodies without unknowns.
 #[must_use]

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use tangency_collision::{Contact, Pose, pose};
 use tangency_lcp::Law;
 
+use crate::model::{Control, Joint, JointRow};
 use crate::rhs::{self, Rhs, Unilateral};
-use crate::scene::{Control, Joint, JointRow, Scene};
+use crate::scene::Scene;
 use crate::{BodyKind, Correction};
 
 /// Penetrations and limit violations below this part of a body's size are rounding.

@@ -1,115 +1,17 @@
 //! A scene: checked, compiled, and constant during a rollout.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Vector2, Vector3};
 use tangency_collision::{Collider, pose};
 
-use crate::compile::{
-    Names, compile_body, compile_control, compile_force, compile_joint, positive,
-};
+use crate::compile::{Names, finite, positive};
+use crate::compile_body::compile_body;
+use crate::compile_input::{compile_control, compile_force, compile_pair};
+use crate::compile_joint::compile_joint;
 use crate::material::{self, Mixed};
-use crate::measure::Measure;
-use crate::{
-    BodyKind, ContactModel, Correction, Limits, Motor, SceneDef, SceneError, Softness,
-    Stabilisation, State,
-};
-
-/// A body as the engine sees it.
-#[derive(Clone, Debug)]
-pub struct Body {
-    /// Name.
-    pub name: String,
-    /// How it moves.
-    pub kind: BodyKind,
-    /// Diagonal of the mass matrix, (kg, kg, kg·m²); of dynamic bodies positive.
-    pub mass: Vector3<f64>,
-    /// Area of the shapes, m², where the mass came from a density or the inertia from the shapes.
-    pub area: f64,
-    /// Whether inertia follows from mass and shapes, so that it scales with the mass.
-    pub inertia_follows_mass: bool,
-    /// Friction coefficient.
-    pub friction: f64,
-    /// Restitution.
-    pub restitution: f64,
-    /// Factor on gravity.
-    pub gravity_scale: f64,
-    /// Tags.
-    pub groups: Vec<String>,
-    pub(crate) category: u32,
-    pub(crate) mask: u32,
-}
-
-/// A scalar that a joint holds at a reference value, or leaves free.
-#[derive(Clone, Copy, Debug)]
-pub struct JointRow {
-    /// Which scalar of the two poses.
-    pub measure: Measure,
-    /// The value that counts as zero, m or rad.
-    pub reference: f64,
-}
-
-/// A joint as the engine sees it.
-#[derive(Clone, Debug)]
-pub struct Joint {
-    /// Name.
-    pub name: String,
-    /// Bodies a and b; `None` is the world.
-    pub bodies: [Option<usize>; 2],
-    /// Anchors in the bodies' centre-of-mass frames (world coordinates for the world), m.
-    pub anchors: [Vector2<f64>; 2],
-    /// What it holds.
-    pub held: Vec<JointRow>,
-    /// What it leaves free, where limits, motors and joint forces act.
-    pub free: Option<JointRow>,
-    /// Limits of the free coordinate.
-    pub limits: Limits,
-    /// Motor on the free coordinate.
-    pub motor: Option<Motor>,
-    /// Stiffness and damping of the held rows; rigid if absent.
-    pub softness: Option<Softness>,
-}
-
-/// A wrench within a window of time.
-#[derive(Clone, Copy, Debug)]
-pub struct Force {
-    /// The body.
-    pub body: usize,
-    /// (N, N, N·m).
-    pub wrench: Vector3<f64>,
-    /// From, s.
-    pub start: f64,
-    /// To, s.
-    pub end: f64,
-}
-
-/// What a control channel drives, by index.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Control {
-    /// A component (0: N, 1: N, 2: N·m) of the wrench on a body.
-    Wrench {
-        /// The body.
-        body: usize,
-        /// The component.
-        component: usize,
-    },
-    /// Adds to a motor's target speed.
-    MotorSpeed {
-        /// The joint.
-        joint: usize,
-    },
-    /// Force or torque along a joint's free coordinate.
-    JointForce {
-        /// The joint.
-        joint: usize,
-    },
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    pub(crate) bodies: [usize; 2],
-    pub(crate) collide: Option<bool>,
-    pub(crate) friction: Option<f64>,
-    pub(crate) restitution: Option<f64>,
-}
+use crate::model::{Body, Control, Force, Joint, Pair};
+use crate::{BodyKind, ContactModel, Correction, SceneDef, SceneError, Stabilisation, State};
 
 /// A checked scene. Its numbers may be read freely and are changed through
 /// [`Scene::set`](crate::Scene::set).
@@ -124,6 +26,8 @@ pub struct Scene {
     pub(crate) forces: Vec<Force>,
     pub(crate) controls: Vec<Control>,
     pub(crate) pairs: Vec<Pair>,
+    /// Bodies (lower index first) whose joint keeps them from colliding.
+    pub(crate) jointed: BTreeSet<[usize; 2]>,
     pub(crate) initial: State,
 }
 
@@ -145,6 +49,7 @@ impl Scene {
             forces: Vec::new(),
             controls: Vec::new(),
             pairs: Vec::new(),
+            jointed: BTreeSet::new(),
             initial: State::default(),
         };
         for (i, body) in def.bodies.iter().enumerate() {
@@ -156,8 +61,11 @@ impl Scene {
         }
         let joint_names = Names::of_joints(&def.joints)?;
         for (i, joint) in def.joints.iter().enumerate() {
-            let joint = compile_joint(joint, &format!("joints[{i}]"), &names, &scene)?;
-            scene.joints.push(joint);
+            let compiled = compile_joint(joint, &format!("joints[{i}]"), &names, &scene)?;
+            if let ([Some(a), Some(b)], false) = (compiled.bodies, joint.collide) {
+                scene.jointed.insert([a.min(b), a.max(b)]);
+            }
+            scene.joints.push(compiled);
         }
         for (i, force) in def.forces.iter().enumerate() {
             scene.forces.push(compile_force(force, &format!("forces[{i}]"), &names)?);
@@ -168,7 +76,7 @@ impl Scene {
             scene.controls.push(compile_control(control, &path, &names, &joint_names, &scene)?);
         }
         for (i, pair) in def.pairs.iter().enumerate() {
-            scene.pairs.push(crate::compile::compile_pair(pair, &format!("pairs[{i}]"), &names)?);
+            scene.pairs.push(compile_pair(pair, &format!("pairs[{i}]"), &names)?);
         }
         Ok(scene)
     }
@@ -297,16 +205,9 @@ impl Scene {
             return collide;
         }
         let (one, two) = (&self.bodies[a], &self.bodies[b]);
-        one.category & two.mask != 0 && two.category & one.mask != 0 && !self.jointed(a, b)
-    }
-
-    fn jointed(&self, a: usize, b: usize) -> bool {
-        let pair = [Some(a), Some(b)];
-        let swapped = [Some(b), Some(a)];
-        let same = |(joint, def): (&Joint, &crate::JointDef)| {
-            !def.collide && (joint.bodies == pair || joint.bodies == swapped)
-        };
-        self.joints.iter().zip(&self.def.joints).any(same)
+        one.category & two.mask != 0
+            && two.category & one.mask != 0
+            && !self.jointed.contains(&[a.min(b), a.max(b)])
     }
 
     fn pair(&self, a: usize, b: usize) -> Option<&Pair> {
@@ -333,7 +234,7 @@ fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
         return Err(SceneError::Value { path, value, expected: "this engine reads version 1" });
     }
     for (i, g) in def.gravity.iter().enumerate() {
-        crate::compile::finite(*g, &format!("gravity[{i}]"))?;
+        finite(*g, &format!("gravity[{i}]"))?;
     }
     positive(def.dt, "dt")?;
     positive(def.duration, "duration")?;

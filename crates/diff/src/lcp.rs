@@ -244,7 +244,7 @@ pub fn lcp_jvp(
     Ok((reduced.velocities, d_impulses))
 }
 
-/// Changes of the impulses on a bound by the bound alone: ±dμ λ_n, ±dh.
+/// Changes of the impulses on a bound by the bound alone: `±dμ λ_n`, `±dh`.
 fn bound_changes(
     system: &ActiveSystem,
     solution: &LcpSolution,

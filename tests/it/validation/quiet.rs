@@ -97,7 +97,7 @@ fn v29_stack_of_three_for_long() {
     for solver in backends() {
         let scene = built(&stack(&[1.0, 1.0, 1.0]));
         let tape = run(&scene, &*solver, 20_000);
-        let drift = |i| (tape.last().q[i] - tape.initial.q[i] as nalgebra::Vector3<f64>).norm();
+        let drift = |i: usize| (tape.last().q[i] - tape.initial.q[i]).norm();
         let worst = (1..4).map(drift).fold(0.0, f64::max);
         near("V29 drift of a stack, 20000 steps", worst, 0.0, 1e-9);
     }

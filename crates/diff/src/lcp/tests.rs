@@ -41,7 +41,7 @@ fn near(found: &[f64], wanted: &[f64], tolerance: f64) {
     }
 }
 
-/// dv_k/dp as the rows k of a matrix, by VJP; checked against the columns by JVP.
+/// `dv_k/dp` as the rows k of a matrix, by VJP; checked against the columns by JVP.
 #[track_caller]
 fn by_momentum(problem: &Lcp, solution: &LcpSolution) -> [V; 3] {
     let rows = [0, 1, 2].map(|k| {
@@ -141,7 +141,9 @@ fn sticking_block_does_not_move() {
     near(solution.velocities[0].as_slice(), &[0.0; 3], 1e-15);
     near(&[solution.impulses[0], solution.impulses[2]], &[1.0 / 25.0, 3.0 / 50.0], 1e-12);
     near(&[solution.impulses[1] + solution.impulses[3]], &[-0.02], 1e-15);
-    by_momentum(&problem, &solution).iter().for_each(|row| near(row.as_slice(), &[0.0; 3], 1e-12));
+    for row in by_momentum(&problem, &solution) {
+        near(row.as_slice(), &[0.0; 3], 1e-12);
+    }
     let report = lcp_vjp(&problem, &solution, &[V::x()], None).expect("vjp").1;
     assert_eq!((report.rank_defect, report.weak.len()), (1, 0));
 }
@@ -313,11 +315,11 @@ fn random_problems_in_both_modes_and_against_differences() {
         if margin < 1e-3 {
             continue;
         }
-        solution.modes.iter().for_each(|mode| {
+        for mode in &solution.modes {
             if !seen.contains(mode) {
-                seen.push(*mode)
+                seen.push(*mode);
             }
-        });
+        }
         let mut random = Random(seed);
         let velocity_bar: Vec<V> = (0..3).map(|_| random.vector(1.0)).collect();
         let impulse_bar: Vec<f64> =

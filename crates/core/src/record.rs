@@ -1,0 +1,179 @@
+//! The record of a step: what it modelled, what it solved, and the next state.
+
+use nalgebra::{Vector2, Vector3};
+use serde::{Deserialize, Serialize};
+use tangency_collision::Contact;
+use tangency_lcp::{Lcp, LcpSolution};
+
+use crate::State;
+use crate::row::RowSource;
+use crate::scene::Scene;
+
+/// The cheapest way that an island could be solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Path {
+    /// Equality rows only: one linear solve.
+    Linear,
+    /// Contacts, limits, bounded motors: a complementarity problem.
+    Complementarity,
+}
+
+impl Path {
+    /// The cheapest path for a problem.
+    #[must_use]
+    pub fn of(problem: &Lcp) -> Self {
+        if problem.is_linear() { Self::Linear } else { Self::Complementarity }
+    }
+}
+
+/// One island's problem and its accepted solution.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct IslandRecord {
+    /// Scene indices of the problem's bodies, ascending.
+    pub bodies: Vec<u32>,
+    /// Where each row comes from.
+    pub sources: Vec<RowSource>,
+    /// The problem.
+    pub problem: Lcp,
+    /// Its solution.
+    pub solution: LcpSolution,
+    /// How it was solved.
+    pub path: Path,
+    /// Scaled residual, as judged by the engine.
+    pub residual: f64,
+}
+
+/// The displacement after the move.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PostRecord {
+    /// Poses after the move, before the displacement.
+    pub moved: Vec<Vector3<f64>>,
+    /// The step's contacts, evaluated there.
+    pub contacts: Vec<Contact>,
+    /// The problems; their velocities are the displacement divided by dt.
+    pub islands: Vec<IslandRecord>,
+}
+
+/// Everything that one step produced: what it modelled, what it solved, and the next state.
+/// The derivative needs this and the state before; nothing else.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepRecord {
+    /// The control that was applied.
+    pub control: Vec<f64>,
+    /// Contacts in reach, in the order of their ids.
+    pub contacts: Vec<Contact>,
+    /// Islands; bodies in none moved freely.
+    pub islands: Vec<IslandRecord>,
+    /// What mended positions, where that was needed.
+    pub post: Option<PostRecord>,
+    /// The state at the end of the step.
+    pub after: State,
+}
+
+/// The impulse of one contact, for showing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactImpulse {
+    /// Index into [`StepRecord::contacts`].
+    pub contact: usize,
+    /// Where it acts, m.
+    pub point: Vector2<f64>,
+    /// Normal from body a to body b.
+    pub direction: Vector2<f64>,
+    /// Impulse on b along the normal, N·s.
+    pub normal: f64,
+    /// Impulse on b along the tangent ⊥n, N·s.
+    pub tangent: f64,
+}
+
+/// What a step modelled and what it cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Counts {
+    /// Dynamic bodies without any row: closed form.
+    pub free_bodies: usize,
+    /// Islands solved by one linear solve.
+    pub linear_islands: usize,
+    /// Islands solved as complementarity problems.
+    pub lcp_islands: usize,
+    /// Rows of all islands.
+    pub rows: usize,
+    /// Contacts in reach.
+    pub contacts: usize,
+    /// Solver iterations.
+    pub iterations: usize,
+    /// Factorisations.
+    pub factorisations: usize,
+    /// Whether positions were mended after the move.
+    pub mended: bool,
+}
+
+impl StepRecord {
+    /// The worst residual of the step's problems; 0 where none was solved.
+    #[must_use]
+    pub fn residual(&self) -> f64 {
+        let post = self.post.iter().flat_map(|post| &post.islands);
+        self.islands.iter().chain(post).map(|i| i.residual).fold(0.0, f64::max)
+    }
+
+    /// Impulses of the contacts that have any.
+    #[must_use]
+    pub fn contact_impulses(&self) -> Vec<ContactImpulse> {
+        let mut impulses: Vec<ContactImpulse> = Vec::new();
+        for island in &self.islands {
+            for (source, impulse) in island.sources.iter().zip(&island.solution.impulses) {
+                match source {
+                    RowSource::Normal { contact } if *impulse != 0.0 => {
+                        let index = *contact as usize;
+                        let Contact { point, normal: direction, .. } = self.contacts[index];
+                        let (normal, tangent) = (*impulse, 0.0);
+                        let it =
+                            ContactImpulse { contact: index, point, direction, normal, tangent };
+                        impulses.push(it);
+                    }
+                    RowSource::Tangent { contact } => {
+                        let same = |i: &&mut ContactImpulse| i.contact == *contact as usize;
+                        if let Some(it) = impulses.last_mut().filter(same) {
+                            it.tangent = *impulse;
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        impulses
+    }
+
+    /// Impulse of the row with this source, N·s or N·m·s, if it was modelled.
+    #[must_use]
+    pub fn impulse(&self, source: RowSource) -> Option<f64> {
+        self.islands.iter().find_map(|island| {
+            let row = island.sources.iter().position(|s| *s == source)?;
+            Some(island.solution.impulses[row])
+        })
+    }
+
+    /// What the step modelled and what it cost.
+    #[must_use]
+    pub fn counts(&self, scene: &Scene) -> Counts {
+        let dynamic = (0..scene.bodies.len()).filter(|i| scene.is_dynamic(*i)).count();
+        let bound: usize = self.islands.iter().map(|i| i.bodies.len()).sum();
+        let mut counts = Counts {
+            free_bodies: dynamic - bound,
+            contacts: self.contacts.len(),
+            mended: self.post.is_some(),
+            ..Counts::default()
+        };
+        for island in &self.islands {
+            match island.path {
+                Path::Linear => counts.linear_islands += 1,
+                Path::Complementarity => counts.lcp_islands += 1,
+            }
+            counts.rows += island.sources.len();
+        }
+        let post = self.post.iter().flat_map(|post| &post.islands);
+        for island in self.islands.iter().chain(post) {
+            counts.iterations += island.solution.stats.iterations as usize;
+            counts.factorisations += island.solution.stats.factorisations as usize;
+        }
+        counts
+    }
+}
