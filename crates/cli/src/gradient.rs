@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use tangency::diff::{OneSided, Parameter, WeakKind};
+use tangency::diff::lcp::WeakKind;
+use tangency::diff::{OneSided, Parameter};
 use tangency::{Rollout, RowSource, Scene};
 use tangency_bench::finite_difference::derivative;
 

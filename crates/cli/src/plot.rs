@@ -3,11 +3,12 @@
 //! A figure is a title, what the title does not say, a legend outside the data, and panels. The
 //! letters are `DejaVu` Sans, which the program carries, so that no system fonts are needed.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Once;
 
 use plotters::coord::Shift;
-use plotters::coord::ranged1d::IntoLinear as _;
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -146,6 +147,37 @@ impl Axis {
     }
 }
 
+/// A linear coordinate with its ticks where they were put.
+struct Ticked {
+    span: (f64, f64),
+    ticks: Vec<f64>,
+}
+
+impl Ranged for Ticked {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    #[expect(clippy::cast_possible_truncation, reason = "figures are some thousand pixels wide")]
+    fn map(&self, value: &f64, (first, last): (i32, i32)) -> i32 {
+        let share = (value - self.span.0) / (self.span.1 - self.span.0);
+        first + (share * f64::from(last - first)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if hint.weight().allow_light_points() { Vec::new() } else { self.ticks.clone() }
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.span.0..self.span.1
+    }
+}
+
+impl ValueFormatter<f64> for Ticked {
+    fn format(value: &f64) -> String {
+        value.to_string()
+    }
+}
+
 fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
@@ -204,8 +236,10 @@ pub fn save(figure: &impl Figure, stem: &Path) -> Result<[PathBuf; 2], Failure> 
     let area = SVGBackend::new(&files[0], (width, height)).into_drawing_area();
     draw_on(figure, &area, 1.0).map_err(failure(&files[0]))?;
     let size = (pixels(f64::from(width), PNG_SCALE), pixels(f64::from(height), PNG_SCALE));
+    drop(area);
     let area = BitMapBackend::new(&files[1], size).into_drawing_area();
     draw_on(figure, &area, PNG_SCALE).map_err(failure(&files[1]))?;
+    drop(area);
     Ok(files)
 }
 
@@ -335,7 +369,6 @@ impl Figure for Chart {
         let x_span = self.x.span(points().map(|point| point.0));
         let level = self.level.as_ref().map(|(level, _)| *level);
         let y_span = self.y.span(points().map(|point| point.1).chain(level));
-        let (x_ticks, y_ticks) = (self.x.tick_places(x_span), self.y.tick_places(y_span));
         let font = |size: f64| (FONT, size * canvas.scale).into_font().color(&INK);
         let mut chart = ChartBuilder::on(&below)
             .margin_right(unit(24.0))
@@ -345,8 +378,8 @@ impl Figure for Chart {
             .x_label_area_size(unit(56.0))
             .y_label_area_size(unit(76.0))
             .build_cartesian_2d(
-                (x_span.0..x_span.1).with_key_points(x_ticks),
-                (y_span.0..y_span.1).with_key_points(y_ticks),
+                Ticked { span: x_span, ticks: self.x.tick_places(x_span) },
+                Ticked { span: y_span, ticks: self.y.tick_places(y_span) },
             )?;
         chart
             .configure_mesh()
@@ -369,7 +402,7 @@ impl Figure for Chart {
             chart.draw_series(dashed)?;
             let pos = Pos::new(HPos::Right, VPos::Bottom);
             let style = (FONT, 15.0 * canvas.scale).into_font().color(&GREY).pos(pos);
-            chart.draw_series([Text::new(label.as_str(), (x_span.1, y), style)])?;
+            chart.draw_series([Text::new(label.clone(), (x_span.1, y), style)])?;
         }
         for curve in &self.curves {
             let place = |(x, y): &(f64, f64)| Some((self.x.place(*x)?, self.y.place(*y)?));

@@ -68,8 +68,9 @@ impl<'a> Pairing<'a> {
         let nearest = self.least_gap(&ends);
         let support = Selection::one(self.side.pair(self.face.edge.index, self.face.support));
         if self.overlapping() {
-            // Overlapping cores have at least one contact that says so.
-            return if nearest <= 0.0 { ends } else { support };
+            // Overlapping cores have at least one contact that says so, up to rounding: of two faces
+            // that just touch, the ends' heights may come out positive.
+            return if nearest <= self.rounding { ends } else { support };
         }
         if nearest <= self.face.separation + self.rounding {
             return ends; // no two points can be nearer than the separation

@@ -19,18 +19,22 @@
 
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
-use nalgebra::Vector3;
+use nalgebra::{DVector, Vector3};
 
 use crate::band::{BandMatrix, Cholesky, Lu};
 use crate::delassus::Assembly;
 use crate::order;
+use crate::saddle::Saddle;
 use crate::{Law, Lcp, Metric, Mode};
 
 /// ε: dependent rows stay solvable, independent ones converge in two or three sweeps.
-const PROXIMAL: f64 = 1e-10;
+const PROXIMAL: f64 = 1e-8;
 const MAX_SWEEPS: usize = 40;
 /// A sweep that leaves more than this share of the defect is at rounding, or at a contradiction.
 const STALLED: f64 = 0.8;
+/// Above this defect the dense system is tried.
+const STIFF: f64 = 1e-11;
+const STIFF_SWEEPS: usize = 3;
 
 /// The reduced system of one problem and one choice of modes, factored.
 #[derive(Clone, Debug)]
@@ -115,11 +119,7 @@ impl ActiveSystem {
     /// chooses among the impulses where rows depend on each other: those nearest to it.
     #[must_use]
     pub fn solve(&self, problem: &Lcp, start: Option<&[f64]>) -> Reduced {
-        let mut momentum = problem.momentum.clone();
-        for &(row, impulse) in &self.saturated {
-            problem.rows[row as usize].add_transposed(impulse, &mut momentum);
-        }
-        let rhs: Vec<f64> = self.rows.iter().map(|&row| problem.rows[row as usize].rhs).collect();
+        let (momentum, rhs) = self.right_side(problem);
         let start = match start {
             Some(impulses) => self.rows.iter().map(|&row| impulses[row as usize]).collect(),
             None => vec![0.0; self.rows.len()],
@@ -127,10 +127,18 @@ impl ActiveSystem {
         self.refine(problem, Side::Forward, &momentum, &rhs, start)
     }
 
+    /// As [`solve`](Self::solve) by a dense pseudo-inverse of the whole system, for nearly dependent
+    /// rows that S cannot tell apart; `None` if the problem is too large for it.
+    #[must_use]
+    pub fn solve_stiff(&self, problem: &Lcp) -> Option<Reduced> {
+        let (momentum, rhs) = self.right_side(problem);
+        self.refine_stiff(problem, Side::Forward, &momentum, &rhs)
+    }
+
     /// Solves M v − Cᵀ y = `momentum`, B v + c y = `rhs` (one entry per active row).
     #[must_use]
     pub fn solve_with(&self, problem: &Lcp, momentum: &[Vector3<f64>], rhs: &[f64]) -> Reduced {
-        self.refine(problem, Side::Forward, momentum, rhs, vec![0.0; self.rows.len()])
+        self.best(problem, Side::Forward, momentum, rhs)
     }
 
     /// Solves the transposed system, M v + Bᵀ y = `momentum`, −C v + c y = `rhs`.
@@ -141,7 +149,7 @@ impl ActiveSystem {
         momentum: &[Vector3<f64>],
         rhs: &[f64],
     ) -> Reduced {
-        self.refine(problem, Side::Transposed, momentum, rhs, vec![0.0; self.rows.len()])
+        self.best(problem, Side::Transposed, momentum, rhs)
     }
 
     /// Impulses of all rows of the problem from those of the active ones.
@@ -158,6 +166,74 @@ impl ActiveSystem {
             impulses[row as usize] = impulse;
         }
         impulses
+    }
+
+    /// p with the impulses of saturated motors, and b of the active rows.
+    fn right_side(&self, problem: &Lcp) -> (Vec<Vector3<f64>>, Vec<f64>) {
+        let mut momentum = problem.momentum.clone();
+        for &(row, impulse) in &self.saturated {
+            problem.rows[row as usize].add_transposed(impulse, &mut momentum);
+        }
+        let rhs = self.rows.iter().map(|&row| problem.rows[row as usize].rhs).collect();
+        (momentum, rhs)
+    }
+
+    /// The refined solution, or that of the dense system where refinement does not converge.
+    fn best(&self, problem: &Lcp, side: Side, momentum: &[Vector3<f64>], rhs: &[f64]) -> Reduced {
+        let refined = self.refine(problem, side, momentum, rhs, vec![0.0; self.rows.len()]);
+        if refined.defect <= STIFF {
+            return refined;
+        }
+        match self.refine_stiff(problem, side, momentum, rhs) {
+            Some(stiff) if stiff.defect < refined.defect => stiff,
+            _ => refined,
+        }
+    }
+
+    fn refine_stiff(
+        &self,
+        problem: &Lcp,
+        side: Side,
+        momentum: &[Vector3<f64>],
+        rhs: &[f64],
+    ) -> Option<Reduced> {
+        let saddle = Saddle::new(problem, &self.rows, &self.folds, &self.inverse_root)?;
+        let (bodies, slots) = (problem.mass.len(), self.rows.len());
+        let mut found = Reduced {
+            velocities: vec![Vector3::zeros(); bodies],
+            impulses: vec![0.0; slots],
+            defect: f64::INFINITY,
+        };
+        let mut r = vec![0.0; slots];
+        for _ in 0..STIFF_SWEEPS {
+            let mut balance = momentum.to_vec();
+            self.add_impulses(problem, side, &found.impulses, &mut balance);
+            self.remainder(problem, side, &found.velocities, rhs, &found.impulses, &mut r);
+            let mut right = DVector::zeros(3 * bodies + slots);
+            for (body, mass) in problem.mass.iter().enumerate() {
+                for k in 0..3 {
+                    let defect = balance[body][k] - mass[k] * found.velocities[body][k];
+                    right[3 * body + k] = defect / mass[k].sqrt();
+                }
+            }
+            right.rows_mut(3 * bodies, slots).copy_from_slice(&r);
+            let step = match side {
+                Side::Forward => saddle.solve(&right),
+                Side::Transposed => saddle.solve_transpose(&right),
+            };
+            for (body, mass) in problem.mass.iter().enumerate() {
+                for k in 0..3 {
+                    found.velocities[body][k] += step[3 * body + k] / mass[k].sqrt();
+                }
+            }
+            for slot in 0..slots {
+                found.impulses[slot] += step[3 * bodies + slot] * self.inverse_root[slot];
+            }
+        }
+        let defect = self.remainder(problem, side, &found.velocities, rhs, &found.impulses, &mut r);
+        found.defect =
+            if defect == 0.0 { 0.0 } else { defect / self.scale(problem, momentum, rhs) };
+        Some(found)
     }
 
     /// ```text

@@ -18,6 +18,7 @@ mod polish;
 mod problem;
 mod residual;
 mod rows;
+mod saddle;
 mod solution;
 mod solver;
 mod validate;

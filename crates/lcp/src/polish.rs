@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use crate::modes::Reading;
-use crate::{ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Residual, SolveStats};
+use crate::{ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Reduced, Residual, SolveStats};
 
 /// A row keeps its mode while it violates it by less than this, relative to s*.
 const KEEP: f64 = 1e-13;
@@ -15,6 +15,10 @@ const KEEP: f64 = 1e-13;
 const WEAK: f64 = 1e-10;
 /// At the free velocities, contacts that part more slowly than this, relative to s*, count as closed.
 const TOUCH: f64 = 1e-9;
+/// Residuals up to this may be due to nearly dependent rows.
+const NEAR_MISS: f64 = 1e-5;
+/// No rounding excuses a residual above this.
+const MOST_ROUNDING: f64 = 1e-11;
 /// Doubtful contacts are tried released below these impulses, relative to s*.
 const RELEASES: [f64; 3] = [0.0, 1e-7, 1e-4];
 
@@ -52,7 +56,7 @@ impl Polished {
     pub fn rounding(&self, metric: &Metric) -> f64 {
         let scaled =
             self.solution.impulses.iter().zip(&metric.root).map(|(y, root)| y.abs() * root);
-        metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max))
+        metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max)).min(MOST_ROUNDING)
     }
 
     fn better(self, other: Option<Self>) -> Self {
@@ -161,7 +165,7 @@ impl Polish<'_> {
             best = last.clone().better(Some(best));
         }
         best.solution.stats.factorisations = factorisations;
-        self.released(best)
+        self.released(self.stiff(best))
     }
 
     /// The candidate that the modes imply.
@@ -182,8 +186,29 @@ impl Polish<'_> {
         modes: &[Mode],
         start: Option<&[f64]>,
     ) -> Polished {
+        self.assemble(system, modes, system.solve(self.problem, start))
+    }
+
+    /// Second attempt at a near miss: nearly dependent rows.
+    fn stiff(&self, found: Polished) -> Polished {
+        if self.reached(&found) || found.max() > NEAR_MISS {
+            return found;
+        }
+        let stiff = found.solution.system.as_ref().and_then(|system| {
+            let reduced = system.solve_stiff(self.problem)?;
+            Some(self.assemble(system, &found.solution.modes, reduced))
+        });
+        match stiff {
+            Some(mut stiff) if stiff.max() < found.max() => {
+                stiff.solution.stats.factorisations += found.solution.stats.factorisations;
+                stiff
+            }
+            _ => found,
+        }
+    }
+
+    fn assemble(&self, system: &Arc<ActiveSystem>, modes: &[Mode], reduced: Reduced) -> Polished {
         let problem = self.problem;
-        let reduced = system.solve(problem, start);
         let mut impulses = system.spread(problem, &reduced.impulses);
         self.lift(&mut impulses);
         let slacks = problem.remainders(&reduced.velocities, &impulses);

@@ -113,3 +113,20 @@ fn a_real_wall_is_felt() {
     assert_eq!(found.len(), 1);
     assert!((found[0].gap - 0.1 * 2.0_f64.sqrt()).abs() < 1e-12);
 }
+
+/// A pyramid lost its supports when boxes at rest were turned by rounding.
+#[test]
+fn faces_that_just_touch_keep_both_contacts_whatever_the_rounding() {
+    let square = rectangle(1.0, 1.0);
+    for (tilt_a, tilt_b) in [(6e-23, 4e-22), (-3e-16, 2e-16), (1e-17, -1e-15), (1e-13, -1e-13)] {
+        for shift in [0.525, -0.525, 0.3] {
+            for lift in [0.0, 2e-16, -2e-16] {
+                let lower = (&square, at(3.15, 0.5, tilt_a));
+                let upper = (&square, at(3.15 + shift, 1.5 + lift, tilt_b));
+                let found = pair(lower, upper, 1e-3);
+                assert_eq!(found.len(), 2, "{tilt_a} {tilt_b} {shift} {lift}: {found:#?}");
+                assert!(found.iter().all(|c| c.gap.abs() < 1e-12 && c.normal.y > 0.9));
+            }
+        }
+    }
+}

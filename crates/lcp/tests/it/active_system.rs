@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use tangency_lcp::{ActiveSystem, Law, Lcp, LcpError, Metric, Mode, solve_linear};
 
-use crate::problems::{V, chain, near, row, solve, stack, supported};
+use crate::problems::{V, body, chain, near, row, solve, stack, supported};
 
 /// J, m × 3n.
 fn jacobian(problem: &Lcp) -> DMatrix<f64> {
@@ -135,4 +135,29 @@ fn a_row_without_influence_is_harmless_or_infeasible() {
     solve_linear(&problem).expect("0 = 0");
     problem.rows[4].rhs = 1.0;
     solve_linear(&problem).expect_err("0 = 1");
+}
+
+#[test]
+fn nearly_coincident_pins_hold_a_rod() {
+    // A rod of length 1 pinned at x = 0 and x = 1e-8: its weight needs a couple of 10⁷.
+    let pin = |x: f64| {
+        [row([1.0, 0.0, 0.0], 0.0, Law::Equality), row([0.0, 1.0, x - 0.5], 0.0, Law::Equality)]
+    };
+    let rows = [pin(0.0), pin(1e-8)].concat();
+    let problem = body([1.0, 1.0, 1.0 / 12.0], [0.0, -0.1, 0.0], rows);
+    let solution = solve_linear(&problem).expect("held");
+    near(solution.velocities[0].as_slice(), &[0.0; 3], 1e-8);
+    assert!(problem.residual(&solution).max() <= 1e-10);
+}
+
+#[test]
+fn nearly_parallel_slopes_share_the_weight() {
+    for exponent in 2..=10 {
+        let slope = 10_f64.powi(-exponent);
+        let normal = |side: f64| row([-side * slope.sin(), slope.cos(), 0.0], 0.0, Law::Unilateral);
+        let problem = body([1.0; 3], [0.0, -0.1, 0.0], vec![normal(-1.0), normal(1.0)]);
+        let solution = solve(&problem);
+        near(solution.velocities[0].as_slice(), &[0.0; 3], 1e-12);
+        near(&solution.impulses, &[0.05 / slope.cos(); 2], 1e-9);
+    }
 }
