@@ -4,6 +4,8 @@ pub use tangency_collision as collision;
 pub use tangency_core as core;
 pub use tangency_diff as diff;
 pub use tangency_lcp as lcp;
+#[cfg(feature = "clarabel")]
+pub use tangency_lcp_clarabel as lcp_clarabel;
 #[cfg(feature = "ipm")]
 pub use tangency_lcp_ipm as lcp_ipm;
 
@@ -20,10 +22,13 @@ pub use tangency_diff::{
 pub use tangency_lcp::LcpSolver;
 
 /// The solver for who does not care which: the first of [`solvers`].
-#[cfg(feature = "ipm")]
+///
+/// # Panics
+/// Never: it exists only where a backend's feature is on.
+#[cfg(any(feature = "ipm", feature = "clarabel"))]
 #[must_use]
 pub fn default_solver() -> Box<dyn LcpSolver> {
-    Box::new(tangency_lcp_ipm::InteriorPoint::default())
+    solvers().swap_remove(0)
 }
 
 /// Names of the backends that this build has, as the command line takes them: those of the
@@ -31,6 +36,8 @@ pub fn default_solver() -> Box<dyn LcpSolver> {
 pub const BACKENDS: &[&str] = &[
     #[cfg(feature = "ipm")]
     "ipm",
+    #[cfg(feature = "clarabel")]
+    "clarabel",
 ];
 
 /// The solver of a backend's name, one of [`BACKENDS`].
@@ -45,5 +52,7 @@ pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
     vec![
         #[cfg(feature = "ipm")]
         Box::new(tangency_lcp_ipm::InteriorPoint::default()),
+        #[cfg(feature = "clarabel")]
+        Box::new(tangency_lcp_clarabel::Clarabel::default()),
     ]
 }

@@ -49,7 +49,7 @@ pub enum SceneFileError {
         /// Where the value stands.
         place: Place,
         /// The value and the remedy.
-        error: SceneError,
+        error: Box<SceneError>,
     },
 }
 
@@ -68,7 +68,7 @@ impl SceneFileError {
 
     /// A refusal of [`Scene::new`](tangency_core::Scene::new), found again in the text.
     pub(super) fn refused(error: SceneError, text: &str, format: SceneFormat) -> Self {
-        Self::Refused { place: Place::of(error.path(), text, format), error }
+        Self::Refused { place: Place::of(error.path(), text, format), error: Box::new(error) }
     }
 
     /// A complaint of the parser.

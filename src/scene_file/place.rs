@@ -33,7 +33,8 @@ impl fmt::Display for Place {
 impl Place {
     /// The place of a byte offset.
     pub(super) fn at(text: &str, offset: usize) -> Self {
-        let before = &text[..text.floor_char_boundary(offset)];
+        let end = (0..=offset.min(text.len())).rev().find(|end| text.is_char_boundary(*end));
+        let before = &text[..end.unwrap_or(0)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         Self {
             file: None,

@@ -1,8 +1,6 @@
 //! Runs of scenes, and comparison with exact figures.
 
-use tangency::{
-    BodyDef, LcpSolver, Rollout, RowSource, Scene, SceneDef, State, StepRecord, simulate,
-};
+use tangency::{LcpSolver, Rollout, RowSource, Scene, SceneDef, State, StepRecord, simulate};
 
 /// Every backend of this build. An empty list would let every test pass unseen.
 pub(crate) fn backends() -> Vec<Box<dyn LcpSolver>> {
@@ -44,18 +42,6 @@ pub(crate) fn run(scene: &Scene, solver: &dyn LcpSolver, steps: usize) -> Rollou
 #[track_caller]
 pub(crate) fn first_step(scene: &Scene, solver: &dyn LcpSolver) -> StepRecord {
     run(scene, solver, 1).records.remove(0)
-}
-
-/// Index of a body.
-#[track_caller]
-pub(crate) fn index(scene: &Scene, body: &str) -> usize {
-    scene.body_index(body).unwrap_or_else(|| panic!("no body {body}"))
-}
-
-/// The definition of a body.
-#[track_caller]
-pub(crate) fn body_mut<'a>(def: &'a mut SceneDef, name: &str) -> &'a mut BodyDef {
-    def.bodies.iter_mut().find(|b| b.name == name).unwrap_or_else(|| panic!("no body {name}"))
 }
 
 /// |found − exact| ≤ tolerance. `cargo test -- --nocapture` prints the table of all figures.

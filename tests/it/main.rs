@@ -6,4 +6,17 @@
 mod engine;
 mod slope;
 
+mod backends;
+mod conservation;
+mod determinism;
+mod forces;
+mod gradients;
+mod joints;
+mod modelling;
+mod motors;
+mod records;
+mod refusals;
+mod springs;
+mod stabilisation;
+mod transpose;
 mod validation;

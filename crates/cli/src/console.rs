@@ -7,7 +7,7 @@ use std::io::{self, Write as _};
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// The terminal. With `quiet` only errors are shown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Console {
     /// Nothing but errors.
     pub quiet: bool,

@@ -329,10 +329,12 @@ const LONGER: f64 = std::f64::consts::SQRT_2;
 const ROUGH_ITERATIONS: usize = 30;
 /// Moves of the coordinates below this end Gauss–Newton.
 const SMALLEST_MOVE: f64 = 1e-14;
+/// Parameters that the motion sees less than this, relative to others, are damped as if it did.
+const LEAST_SEEN: f64 = 1e-2;
 /// Greatest move of a coordinate in one update.
 const GREATEST_MOVE: f64 = 1.0;
 /// Where the damping starts, how it changes, and where it is given up.
-const DAMPING: [f64; 3] = [1e-3, 10.0, 1e12];
+const DAMPING: [f64; 3] = [1e-2, 10.0, 1e12];
 
 /// Steps that reach a time, or go a little beyond it.
 #[must_use]
@@ -404,8 +406,8 @@ fn damped_step(A: &DMatrix<f64>, g: &DVector<f64>, damping: f64) -> Option<DVect
     if greatest == 0.0 {
         return None;
     }
-    // What the motion does not see yet stays where it is.
-    let diagonal = A.diagonal().map(|a| damping * a + f64::EPSILON * greatest);
+    // What the motion hardly sees stays where it is.
+    let diagonal = A.diagonal().map(|a| damping * a.max(LEAST_SEEN * greatest));
     let step = -(A + DMatrix::from_diagonal(&diagonal)).cholesky()?.solve(g);
     let longest = step.amax();
     Some(if longest > GREATEST_MOVE { step * (GREATEST_MOVE / longest) } else { step })

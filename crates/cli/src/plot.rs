@@ -45,7 +45,7 @@ pub struct Chart {
     pub y: Axis,
     /// Curves, the last one on top.
     pub curves: Vec<Curve>,
-    /// A horizontal line and what it means.
+    /// A dashed horizontal line and what it means.
     pub level: Option<(f64, String)>,
 }
 
@@ -335,22 +335,24 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
         let mut x = MARGIN;
         let width = f64::from(self.area.dim_in_pixel().0) / self.scale;
         for (label, color) in legend {
-            let expected = 40.0 + 8.6 * label.chars().count() as f64;
+            let expected = SWATCH + 9.0 * label.chars().count() as f64;
             if x > MARGIN && x + expected > width - MARGIN {
                 x = MARGIN;
                 y += 22.0;
             }
-            let swatch = [self.at(x, y + 9.0), self.at(x + 22.0, y + 9.0)];
+            let middle = y + 11.0;
+            let swatch = [self.at(x, middle), self.at(x + SWATCH, middle)];
             self.area.draw(&PathElement::new(swatch, self.stroke(*color, 4.0)))?;
-            let style = (FontStyle::Normal, INK);
-            let drawn = self.text(label, (x + 28.0, y), 16.0, style, top_left)?;
-            x += 28.0 + drawn + 24.0;
+            let (style, anchor) = ((FontStyle::Normal, INK), (HPos::Left, VPos::Center));
+            let drawn = self.text(label, (x + SWATCH + 6.0, middle), 15.0, style, anchor)?;
+            x += SWATCH + 6.0 + drawn + 18.0;
         }
-        Ok(y + 28.0)
+        Ok(y + 26.0)
     }
 }
 
 const MARGIN: f64 = 20.0;
+const SWATCH: f64 = 22.0;
 
 impl Figure for Chart {
     fn size(&self) -> (u32, u32) {
@@ -359,9 +361,9 @@ impl Figure for Chart {
 
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<'_, DB>) -> Result<(), DrawError> {
         let named = self.curves.iter().filter(|curve| !curve.label.is_empty());
-        let legend: Vec<_> = named.map(|c| (c.label.as_str(), PALETTE[c.color])).collect();
-        let legend = if self.curves.len() > 1 { &legend[..] } else { &[] };
-        let top = canvas.header(&self.title, &self.subtitle, legend)?;
+        let mut legend: Vec<_> = named.map(|c| (c.label.as_str(), PALETTE[c.color])).collect();
+        legend.extend(self.level.iter().map(|(_, label)| (label.as_str(), GREY)));
+        let top = canvas.header(&self.title, &self.subtitle, &legend)?;
         let unit = |units: f64| pixels(units, canvas.scale);
         let (_, below) = canvas.area.split_vertically(unit(top));
 
@@ -375,8 +377,8 @@ impl Figure for Chart {
             .margin_left(unit(10.0))
             .margin_bottom(unit(8.0))
             .margin_top(unit(6.0))
-            .x_label_area_size(unit(56.0))
-            .y_label_area_size(unit(76.0))
+            .x_label_area_size(unit(50.0))
+            .y_label_area_size(unit(72.0))
             .build_cartesian_2d(
                 Ticked { span: x_span, ticks: self.x.tick_places(x_span) },
                 Ticked { span: y_span, ticks: self.y.tick_places(y_span) },
@@ -393,16 +395,12 @@ impl Figure for Chart {
             .x_label_formatter(&|place| self.x.tick_label(*place))
             .y_label_formatter(&|place| self.y.tick_label(*place))
             .draw()?;
-        if let Some((level, label)) = &self.level
-            && let Some(y) = self.y.place(*level)
+        if let Some(y) = level.and_then(|level| self.y.place(level))
         {
             let line = [(x_span.0, y), (x_span.1, y)];
             let style = canvas.stroke(GREY, 1.5);
             let dashed = DashedLineSeries::new(line, unit(6.0), unit(5.0), style);
             chart.draw_series(dashed)?;
-            let pos = Pos::new(HPos::Right, VPos::Bottom);
-            let style = (FONT, 15.0 * canvas.scale).into_font().color(&GREY).pos(pos);
-            chart.draw_series([Text::new(label.clone(), (x_span.1, y), style)])?;
         }
         for curve in &self.curves {
             let place = |(x, y): &(f64, f64)| Some((self.x.place(*x)?, self.y.place(*y)?));

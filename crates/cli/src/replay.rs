@@ -205,7 +205,9 @@ fn corners(shape: &Shape) -> Vec<[f64; 2]> {
 impl PageShape {
     fn of(shape: &Shape) -> Self {
         match shape {
-            Shape::Circle { radius, center } => Self::Circle { c: short(*center), r: Short(*radius) },
+            Shape::Circle { radius, center } => {
+                Self::Circle { c: short(*center), r: Short(*radius) }
+            }
             Shape::Capsule { a, b, radius } => {
                 Self::Capsule { a: short(*a), b: short(*b), r: Short(*radius) }
             }
@@ -272,5 +274,8 @@ fn hardest_pushes(frames: &[Frame]) -> Vec<Short> {
     let total = |frame: &&Frame| frame.pushes.iter().map(size).sum::<f64>();
     let hardest = frames.iter().max_by(|a, b| total(a).total_cmp(&total(b)));
     let pushes = hardest.map_or(&[][..], |frame| &frame.pushes);
-    pushes.iter().flat_map(|push| short([push.point[0], push.point[1], push.impulse[0], push.impulse[1]])).collect()
+    pushes
+        .iter()
+        .flat_map(|push| short([push.point[0], push.point[1], push.impulse[0], push.impulse[1]]))
+        .collect()
 }

@@ -77,7 +77,10 @@ impl Summary {
         table.row("worst residual", format!("{:.1e}", self.residual));
         table.row("worst penetration", format!("{:.1e} m", self.penetration));
         table.row("worst joint drift", format!("{:.1e} m or rad", self.joint_drift));
-        table.row("energy", format!("{:.6} J at the start, {:.6} J at the end", energy[0], energy[1]));
+        table.row(
+            "energy",
+            format!("{:.6} J at the start, {:.6} J at the end", energy[0], energy[1]),
+        );
         table.row(
             "paths",
             format!(

@@ -176,13 +176,17 @@ fn bad_options_are_wrong_usage() {
         folder.path(),
         &["simulate", "ball.toml", "--dt", "-1"],
         2,
-        &format!("error: invalid value '-1' for '--dt <DT>': give a positive, finite number of seconds{usage}"),
+        &format!(
+            "error: invalid value '-1' for '--dt <DT>': give a positive, finite number of seconds{usage}"
+        ),
     );
     fail(
         folder.path(),
         &["inspect", "ball.toml", "--time", "soon"],
         2,
-        &format!("error: invalid value 'soon' for '--time <TIME>': give a number of seconds, such as 0.01{usage}"),
+        &format!(
+            "error: invalid value 'soon' for '--time <TIME>': give a number of seconds, such as 0.01{usage}"
+        ),
     );
     fail(
         folder.path(),
@@ -238,7 +242,8 @@ fn every_scene_of_the_repository_is_valid() {
     assert!(files.len() >= 14, "only {} scenes", files.len());
     for file in files {
         let shown = succeed(folder.path(), &["inspect", &file.to_string_lossy()]);
-        let described = shown.lines().any(|line| line.starts_with("description  ") && line.len() > 40);
+        let described =
+            shown.lines().any(|line| line.starts_with("description  ") && line.len() > 40);
         assert!(described, "{}: no description in\n{shown}", file.display());
     }
 }

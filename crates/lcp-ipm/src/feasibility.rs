@@ -12,8 +12,8 @@ use tangency_lcp::{Law, Lcp, LcpSolver, Metric, Scratch};
 use crate::InteriorPoint;
 use crate::raw::{RawLcp, solve_raw};
 
-const SOFT: f64 = 1e-6;
-const HARD: f64 = 1e-8;
+const SOFT: f64 = 1e-5;
+const HARD: f64 = 1e-7;
 /// A violation that falls by less than this factor from `SOFT` to `HARD` does not vanish.
 const STAYS: f64 = 0.99;
 const LEAST: f64 = 1e-4;
@@ -35,7 +35,9 @@ fn violation(problem: &Lcp, settings: &InteriorPoint, softness: f64) -> Option<f
         row.compliance += softness * root * root;
     }
     softened.rows.retain(|row| matches!(row.law, Law::Equality | Law::Unilateral));
-    let settings = InteriorPoint { tell_infeasible: false, ..*settings };
+    // Impulses grow like 1/ε, and rounding with them.
+    let settings =
+        InteriorPoint { tolerance: 1e-9, acceptance: 1e-6, tell_infeasible: false, ..*settings };
     let solution = settings.solve(&softened, None, &mut Scratch::default()).ok()?;
     let metric = Metric::new(&softened);
     let violation = solution

@@ -22,7 +22,7 @@ use crate::lemke::{Outcome, lemke};
 /// Singular values of W_EE below this count as zero.
 const DEPENDENT: f64 = 1e-9;
 /// Above this number of pairs a dense tableau costs too much.
-const MOST_PAIRS: usize = 700;
+const MOST_PAIRS: usize = 400;
 /// Covering vectors tried.
 const ATTEMPTS: u64 = 8;
 
@@ -75,7 +75,7 @@ impl Standard {
     fn attempt(&self, attempt: u64) -> Option<(Vec<f64>, u32)> {
         let n = self.q.len();
         let cover = DVector::from_fn(n, |i, _| 1.0 + covering(attempt, i));
-        let limit = u32::try_from(20 * n + 100).unwrap_or(u32::MAX);
+        let limit = u32::try_from(8 * n + 200).unwrap_or(u32::MAX);
         match lemke(&self.M, &self.q, &cover, limit) {
             (Outcome::Solution(z), pivots) => {
                 let y = &self.y0 + &self.Y * z;

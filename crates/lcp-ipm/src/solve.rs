@@ -13,15 +13,16 @@ use crate::pivoting;
 /// Interior-point solver with active-set polish.
 ///
 /// Stages, each tried only if the one before left a residual above `tolerance`: the guess through
-/// the active-set loop; modes read at the free velocities; the interior point, polished whenever it
-/// shows new modes. A solution is returned if its natural residual is at most `acceptance`.
+/// the active-set loop; modes read at the free velocities; the interior point, boldly and then
+/// carefully, polished whenever it shows new modes; Lemke's method for problems of moderate size. A
+/// solution is returned if its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
     pub tolerance: f64,
     /// Greatest natural residual that is returned as a solution. Default 1e-10.
     pub acceptance: f64,
-    /// Greatest number of interior-point iterations. Default 60.
+    /// Greatest number of interior-point iterations per run, bold or careful. Default 60.
     pub max_iterations: u32,
     /// Greatest number of mode corrections per attempt of the active-set loop. Default 8.
     pub max_flips: u32,

@@ -45,7 +45,11 @@ fn v35_a_converges() {
         let (by_speed, by_friction) = (1.019_367_991_845_056_1, -5.096_839_959_225_280_3);
         near("V35 (a) dx/dv0", derivative(1e-3, &speed), by_speed, 2e-2 * by_speed);
         near("V35 (a) dx/dmu", derivative(1e-3, &friction()), by_friction, 2e-2 * 5.09);
-        order("V35 (a) dx/dmu", 0.9, |dt| derivative(dt, &friction()) - by_friction);
+        let stop = 1.529_051_987_767_584_1;
+        order("V35 (a) stop", 0.9, |dt| slide(&*solver, dt).1.last().q[BLOCK].x - stop);
+        // The stop falls between two steps: the exact sum −g dt² K(K+1)/2 is off by a saw-tooth,
+        // g T dt (θ − 1/2) with θ the part of a step that is left over.
+        order("V35 (a) dx/dmu", 0.7, |dt| derivative(dt, &friction()) - by_friction);
     }
 }
 

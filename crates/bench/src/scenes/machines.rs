@@ -52,7 +52,7 @@ pub fn spring_cart() -> SceneDef {
         BodyDef { mass: Some(1.2), ..block("cart", [0.4, 0.2], [0.0, 0.0]) },
         BodyDef { mass: Some(0.5), ..disc("bob", 0.1, [0.3, -0.8]) },
     ];
-    let limits = Limits { lower: None, upper: Some(0.05) };
+    let limits = Limits { lower: Some(-0.05), upper: None };
     let joints = vec![
         joint(
             "rail",

@@ -17,7 +17,7 @@ pub(super) struct Filmstrip<'a> {
     pub(super) outline: (&'a str, Vec<&'a State>),
 }
 
-const FRAME: (f64, f64) = (186.0, 330.0);
+const FRAME: (f64, f64) = (186.0, 200.0);
 const COLUMNS: usize = 5;
 const MARGIN: f64 = 20.0;
 const CAPTION: f64 = 26.0;
@@ -26,7 +26,7 @@ const HEADER: f64 = 98.0;
 impl Figure for Filmstrip<'_> {
     fn size(&self) -> (u32, u32) {
         let rows = u32::try_from(self.solid.1.len().div_ceil(COLUMNS)).unwrap_or(1);
-        (5 * 186 + 40, 98 + rows * (330 + 26) + 14)
+        (5 * 186 + 40, 98 + rows * (200 + 26) + 14)
     }
 
     fn draw<DB: DrawingBackend>(&self, canvas: &Canvas<'_, DB>) -> Result<(), DrawError> {
@@ -64,12 +64,12 @@ impl Filmstrip<'_> {
     ) -> Result<(), DrawError> {
         for (collider, pose) in self.scene.colliders().iter().zip(&state.q) {
             for shape in collider.shapes() {
-                let place = |p: [f64; 2]| {
-                    let (s, c) = pose.z.sin_cos();
-                    let (x, y) = view.place([
-                        pose.x + c * p[0] - s * p[1],
-                        pose.y + s * p[0] + c * p[1],
-                    ]);
+                if !view.shows(pose.x, pose.y) {
+                    continue;
+                }
+                let (s, c) = pose.z.sin_cos();
+                let place = |[u, v]: [f64; 2]| {
+                    let (x, y) = view.place([pose.x + c * u - s * v, pose.y + s * u + c * v]);
                     canvas.at(x, y)
                 };
                 let mut points: Vec<_> = rim(shape).into_iter().map(place).collect();
@@ -114,20 +114,17 @@ impl Window {
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         let grouped = |i: &usize| !scene.bodies()[*i].groups.is_empty();
-        let first = scene.initial_state();
-        let mut add = |q: &nalgebra::Vector3<f64>, radius: f64| {
+        let mut add = |state: &State, i: usize| {
             for axis in 0..2 {
-                low[axis] = low[axis].min(q[axis] - radius);
-                high[axis] = high[axis].max(q[axis] + radius);
+                let (q, radius) = (state.q[i][axis], scene.colliders()[i].radius());
+                low[axis] = low[axis].min(q - radius);
+                high[axis] = high[axis].max(q + radius);
             }
         };
-        for (q, collider) in first.q.iter().zip(scene.colliders()) {
-            add(q, collider.radius());
-        }
+        let first = scene.initial_state();
+        (0..scene.bodies().len()).for_each(|i| add(&first, i));
         for state in states {
-            for i in (0..scene.bodies().len()).filter(grouped) {
-                add(&state.q[i], scene.colliders()[i].radius());
-            }
+            (0..scene.bodies().len()).filter(grouped).for_each(|i| add(state, i));
         }
         let zoom = (FRAME.0 / (high[0] - low[0])).min(FRAME.1 / (high[1] - low[1])) * 0.97;
         Self { center: [0, 1].map(|axis| f64::midpoint(low[axis], high[axis])), zoom }
@@ -141,6 +138,12 @@ struct View {
 }
 
 impl View {
+    /// Whether a point of the world is in the frame.
+    fn shows(&self, x: f64, y: f64) -> bool {
+        let Window { center, zoom } = self.window;
+        zoom * (x - center[0]).abs() < FRAME.0 / 2.0 && zoom * (y - center[1]).abs() < FRAME.1 / 2.0
+    }
+
     /// Units of a point of the world, kept within the frame.
     fn place(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         let Window { center, zoom } = self.window;
@@ -152,7 +155,7 @@ impl View {
 
 /// Points around a shape in its body's frame; none for what has no bound.
 fn rim(shape: &Shape) -> Vec<[f64; 2]> {
-    const POINTS: u32 = 36;
+    const POINTS: u32 = 48;
     match shape {
         Shape::Circle { radius, center } => (0..POINTS)
             .map(|k| {

@@ -1,0 +1,25 @@
+//! Clarabel as a backend: friction by a sequence of convex programs.
+//!
+//! The problem with friction is not convex: handed its matrix as a quadratic program, a convex solver
+//! answers *solved* with a wrong answer. De Saxcé's change of variables makes it convex once
+//! `s = μ|u_t|` is held fixed (De Saxcé & Feng 1998; Cadoux and Acary's fixed point, Acary et al.
+//! 2011):
+//!
+//! ```text
+//!  QP(s):  min ½ vᵀMv − pᵀv    subject to    J_e v = b_e
+//!                                            (Jₙ ± μ Jₜ) v − (bₙ ± μ bₜ) + s ≥ 0
+//!  s ← μ |Jₜ v − bₜ|           until the modes that the iterate shows solve the problem
+//! ```
+//!
+//! The iterate only has to be good enough to read a mode per row: the polish that all backends share
+//! then gives the solution to rounding, and the residual judges it. Without friction one program is
+//! enough. Read [`conic`](self) for the program, `fixed_point` for the iteration, `status` for what
+//! Clarabel's answers mean.
+
+mod anderson;
+mod conic;
+mod fixed_point;
+mod status;
+
+pub use fixed_point::{Clarabel, FrictionCone};
+pub use status::ClarabelFailure;

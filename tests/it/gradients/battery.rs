@@ -1,0 +1,98 @@
+//! The scenes that gradients are checked on: short runs that stay clear of switches.
+
+use tangency::{BodyDef, ContactModel, Correction, Param, SceneDef, Stabilisation};
+use tangency_bench::scenes::{
+    chain, compound_tumble, conveyor, disc, doubled_hinge, falling_disc, incline_block, material,
+    motor_arm, paper_chain, pendulum, piston, redundant_floor, sliding_disc, soft_bridge,
+    spring_cart, unit_scene,
+};
+
+/// A scene, how long it runs, and the numbers in which it sits on a switch.
+pub(super) struct Entry {
+    pub(super) def: SceneDef,
+    pub(super) steps: usize,
+    pub(super) except: Vec<Param>,
+}
+
+fn entry(def: SceneDef, steps: usize) -> Entry {
+    Entry { def, steps, except: Vec::new() }
+}
+
+/// Contacts hold their positions through the velocity on both sides of gap zero, so that landing
+/// and penetrating are one smooth formula.
+fn two_sided(mut def: SceneDef) -> SceneDef {
+    def.stabilisation.contacts = Correction::Baumgarte { fraction: 1.0 };
+    def.recovery_speed = 1e3;
+    def
+}
+
+pub(super) fn battery() -> Vec<Entry> {
+    vec![
+        entry(pendulum(2.0), 60),
+        entry(doubled_hinge(2.0, 1), 60),
+        entry(swinging_chain(), 40),
+        entry(two_sided(incline_block(0.5, 0.3, 0.7)), 30),
+        entry(two_sided(sliding_disc()), 30),
+        entry(two_sided(sliding_disc()), 80), // slides, then rolls
+        entry(bouncing(), 40),
+        entry(oblique(), 40),
+        entry(two_sided(soft_bridge(3)), 40),
+        entry(motor_arm(), 30),
+        entry(spring_cart(), 40),
+        entry(piston(), 40),
+        entry(two_sided(conveyor()), 30),
+        entry(compound_tumble(), 30),
+        entry(post_stabilised(), 12),
+        entry(velocity_model(), 30),
+        entry(two_sided(redundant_floor(4)), 20),
+        entry(paper_chain(4, 7.0), 20),
+    ]
+}
+
+fn swinging_chain() -> SceneDef {
+    let mut def = chain(4, 0.3, 0.2);
+    for (i, body) in def.bodies.iter_mut().enumerate() {
+        body.velocity = [0.4 + 0.3 * i as f64, 0.0];
+    }
+    def
+}
+
+/// Falls with spin onto a rough floor and leaves it again.
+fn bouncing() -> SceneDef {
+    let mut def = material(falling_disc(0.15, 0.7), 0.2, 0.7);
+    (def.bodies[1].angular_velocity, def.bodies[1].velocity) = (3.0, [0.5, -1.0]);
+    def
+}
+
+/// Discs that meet off their centres.
+fn oblique() -> SceneDef {
+    let thrown = BodyDef {
+        mass: Some(1.0),
+        velocity: [2.0, 0.3],
+        angular_velocity: 5.0,
+        ..disc("thrown", 0.1, [0.0, 0.0])
+    };
+    let struck = BodyDef { mass: Some(2.0), ..disc("struck", 0.15, [0.6, 0.2]) };
+    material(unit_scene("oblique discs", vec![thrown, struck]), 0.1, 0.6)
+}
+
+/// Joint drift and penetration are removed after the move, below the recovery speed.
+fn post_stabilised() -> SceneDef {
+    let mut def = swinging_chain();
+    def.stabilisation = Stabilisation { joints: Correction::Post, contacts: Correction::Post };
+    def.recovery_speed = 10.0;
+    def.name = "post-stabilised chain".into();
+    def
+}
+
+/// The paper's contact model with Baumgarte's correction, deep enough to be corrected throughout.
+fn velocity_model() -> SceneDef {
+    let mut def = incline_block(0.5, 0.3, 0.7);
+    def.name = "block, velocity model".into();
+    def.contact_model = ContactModel::Velocity { contact_distance: 0.05 };
+    def.stabilisation.contacts = Correction::Baumgarte { fraction: 0.05 };
+    let (sin, cos) = 0.5_f64.sin_cos();
+    def.bodies[1].position[0] += 0.01 * sin;
+    def.bodies[1].position[1] -= 0.01 * cos;
+    def
+}
