@@ -226,6 +226,18 @@ fn files_are_named_in_errors() {
 }
 
 #[test]
+fn examples_of_the_documentation_are_scenes() {
+    let page = include_str!("../../docs/scene-file.md");
+    let examples: Vec<&str> = page.split("```toml\n").skip(1).collect();
+    assert!(examples.len() >= 4);
+    for example in examples {
+        let text = example.split("```").next().unwrap_or_default();
+        let def = parse_scene(text, SceneFormat::Toml).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        Scene::new(&def).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    }
+}
+
+#[test]
 fn definitions_survive_both_formats() {
     let def = everything();
     assert_eq!(parse_scene(&scene_to_toml(&def), SceneFormat::Toml).expect("its own text"), def);

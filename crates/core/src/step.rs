@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{LcpSolver, Scratch, solve_checked};
+use tangency_lcp::{Law, Lcp, LcpSolver, Scratch, solve_checked};
 
 use crate::detect::{Reach, detect, reach, rows};
 use crate::island::{Island, assemble};
@@ -131,7 +131,8 @@ fn mend_positions(
         return Ok(());
     }
     let still = vec![Vector3::zeros(); moved.len()];
-    let islands = assemble(&context, &still, &rows(&context, reach));
+    let mut islands = assemble(&context, &still, &rows(&context, reach));
+    islands.retain(|island| is_displaced(&island.problem));
     let islands = solve(scene, solver, record.after.time, islands, scratch)?;
     for island in &islands {
         for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {
@@ -140,6 +141,14 @@ fn mend_positions(
     }
     record.post = Some(PostRecord { moved, contacts, islands });
     Ok(())
+}
+
+/// Whether w = 0 breaks a row.
+fn is_displaced(problem: &Lcp) -> bool {
+    problem.rows.iter().any(|row| match row.law {
+        Law::Equality => row.rhs != 0.0,
+        _ => row.rhs > 0.0,
+    })
 }
 
 /// The same features at other poses.

@@ -99,11 +99,7 @@ mod tests {
     #[test]
     fn a_linear_fixed_point_of_three_unknowns_is_found_in_a_few_steps() {
         let g = |s: &[f64]| {
-            vec![
-                0.9 * s[0] + 0.1 * s[1] + 0.1,
-                0.5 * s[1] + 0.2 * s[2] + 1.0,
-                0.3 * s[2] + 0.7,
-            ]
+            vec![0.9 * s[0] + 0.1 * s[1] + 0.1, 0.5 * s[1] + 0.2 * s[2] + 1.0, 0.3 * s[2] + 0.7]
         };
         // s₂ = 1, s₁ = 2.4, s₀ = 3.4
         let (mut anderson, mut s) = (Anderson::default(), vec![0.0; 3]);

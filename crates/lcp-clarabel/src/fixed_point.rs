@@ -67,7 +67,10 @@ impl LcpSolver for Clarabel {
         if problem.is_linear() {
             return solve_linear(problem);
         }
-        let metric = Metric::new(problem);
+        let mut metric = Metric::new(problem);
+        if metric.scale == 0.0 {
+            metric.scale = 1.0; // everything is zero, and so is the solution
+        }
         let (target, max_flips) = (self.tolerance, self.max_flips);
         let polish = Polish { problem, metric: &metric, target, max_flips };
         let stats = SolveStats::default();
@@ -178,8 +181,5 @@ fn refused(error: &dyn std::fmt::Display) -> LcpError {
 
 fn stopped(conic: &DefaultSolver<f64>) -> LcpError {
     let status = conic.solution.status.to_string();
-    LcpError::Backend {
-        solver: "clarabel",
-        source: Box::new(ClarabelFailure::Stopped { status }),
-    }
+    LcpError::Backend { solver: "clarabel", source: Box::new(ClarabelFailure::Stopped { status }) }
 }
