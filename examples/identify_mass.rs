@@ -9,6 +9,7 @@ use tangency::diff::{Parameter, StateVector, gradient};
 use tangency::{BodyDef, Scene, SceneDef, Shape, State, default_solver, simulate};
 
 const STEPS: usize = 150;
+const RATE: f64 = 1.2;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let ball = BodyDef {
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mass = Parameter::parse(&scene, "mass:box")?;
     let mut guess = 1.0;
     println!("update      mass        loss    gradient");
-    for update in 0..=20 {
+    for update in 0..=12 {
         mass.set(&mut scene, guess)?;
         let run = simulate(&scene, solver.as_ref(), STEPS)?;
         let error = |state: &State| [0, 1].map(|body| state.q[body] - seen.q[body]);
@@ -48,9 +49,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         })?;
         let slope = mass.gradient(&scene, &found.by);
         println!("{update:6} {guess:9.6} {loss:11.3e} {slope:11.3e}");
-        guess -= (RATE * slope).clamp(-0.5, 0.5);
+        guess -= (RATE * slope).clamp(-0.4, 0.4);
     }
     Ok(())
 }
-
-const RATE: f64 = 2.0;

@@ -11,7 +11,9 @@ use tangency::{
 };
 
 const STEPS: usize = 100;
-const RATE: f64 = 40.0;
+const RATE: f64 = 6.0;
+/// What a force costs beside missing the goal, per N².
+const EFFORT: f64 = 1e-5;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let floor = BodyDef {
@@ -63,5 +65,3 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     Ok(())
 }
-
-const EFFORT: f64 = 1e-5;

@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 use tangency::lcp_ipm::{InteriorPoint, RawLcp, solve_raw};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Not symmetric, and not monotone either: a matrix as Coulomb friction makes them.
+    // Not symmetric, and not positive semidefinite: a matrix as Coulomb friction makes them.
     let problem = RawLcp {
+        free: 0,
         matrix: DMatrix::from_row_slice(3, 3, &[2.0, 0.3, 0.0, -0.3, 1.0, 1.0, 0.5, -1.0, 0.0]),
         q: DVector::from_column_slice(&[-1.0, -0.4, 0.2]),
     };

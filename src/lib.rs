@@ -11,6 +11,9 @@ pub use tangency_lcp_ipm as lcp_ipm;
 
 mod scene_file;
 
+#[doc = include_str!("../docs/scene-file.md")]
+pub mod scene_file_format {}
+
 pub use scene_file::{
     Place, SceneFileError, SceneFormat, load_scene, parse_scene, read_scene, scene_to_json,
     scene_to_toml,

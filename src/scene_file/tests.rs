@@ -177,7 +177,7 @@ fn refused_values_are_found_in_the_text() {
     );
     toml(
         &format!("{BODY}{disc}\n[[bodies]]\nname = \"a\"\n{disc}"),
-        "line 6, column 1: bodies[1].name is \"a\": names must be unique",
+        "line 6, column 1: bodies[1].name is \"a\": this name is taken; choose another",
     );
     toml(
         &format!(

@@ -150,6 +150,34 @@ fn a_page_of_one_frame_and_no_bodies_is_fine() {
     check("Empty", &scene, &[run(&scene, "only", 1, 0.0)], 1);
 }
 
+/// What a person would do: each action is followed by the step that the clock then shows.
+const ACTIONS: &str = r#"<script>
+const seen = [];
+const note = () => seen.push(document.getElementById("clock").textContent.match(/step (\d+)/)[1]);
+const key = (k) => { window.dispatchEvent(new KeyboardEvent("keydown", { key: k })); note(); };
+key("Home"); key("ArrowRight"); key("ArrowRight"); key("ArrowLeft"); key("End"); key("ArrowRight");
+for (const k of ["i", "j", "l", "f", "ArrowUp", "ArrowDown"]) key(k);
+const scrub = document.getElementById("scrub");
+scrub.value = 7; scrub.dispatchEvent(new Event("input")); note();
+const stage = document.getElementById("stage");
+stage.dispatchEvent(new WheelEvent("wheel", { deltaY: -100, cancelable: true })); note();
+window.dispatchEvent(new Event("resize")); note();
+document.getElementById("next").click(); note();
+key(" "); key(" ");
+document.body.dataset.seen = seen.slice(0, 16).join(" ");
+</script></body>"#;
+
+#[test]
+fn keys_and_controls_move_the_clock() {
+    let scene = scene();
+    let folder = tempfile::tempdir().expect("the temporary folder is writable");
+    let page = replay_html("Keys", &scene, &[run(&scene, "only", 21, 0.2)]);
+    let Some(dom) = open(folder.path(), &page.replace("</body>", ACTIONS)) else { return };
+    assert!(!dom.contains("data-error"), "{dom}");
+    let expected = "0 1 2 1 20 20 20 20 20 20 20 20 7 7 7 8";
+    assert!(dom.contains(&format!("data-seen=\"{expected}\"")), "{dom}");
+}
+
 #[test]
 fn long_runs_leave_frames_out() {
     let scene = scene();

@@ -15,6 +15,7 @@
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
 use nalgebra::{DMatrix, DVector};
+use tangency_lcp::pseudo_inverse;
 
 use crate::box_form::{BoxForm, BoxLaw};
 use crate::lemke::{Outcome, lemke};
@@ -51,7 +52,7 @@ impl Standard {
         let solve_E = if E.is_empty() {
             DMatrix::zeros(0, 0)
         } else {
-            -block(&E, &E).pseudo_inverse(DEPENDENT).ok()?
+            -pseudo_inverse(&block(&E, &E), DEPENDENT)?
         };
         let y_E = &solve_E * block(&E, &N);
         let y0_E = &solve_E * q.select_rows(&E);

@@ -13,7 +13,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::{Fold, Lcp};
+use crate::{Fold, Lcp, pseudo_inverse};
 
 const ALPHA: f64 = 1e-7;
 /// Singular values below this count as zero.
@@ -62,7 +62,7 @@ impl Saddle {
             let compliance = problem.rows[row as usize].compliance * inverse_root[slot].powi(2);
             K[(n + slot, n + slot)] += compliance / ALPHA;
         }
-        Some(Self { inverse: K.pseudo_inverse(DEPENDENT).ok()?, unknowns: n })
+        Some(Self { inverse: pseudo_inverse(&K, DEPENDENT)?, unknowns: n })
     }
 
     /// (v̂, ŷ) from (p̂, b̂).
