@@ -48,9 +48,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let parameter = Parameter::parse(&scene, name)?;
         let place = |value: f64| {
             let mut scene = scene.clone();
-            let run = parameter.set(&mut scene, value).ok().and_then(|()| {
-                simulate(&scene, solver.as_ref(), STEPS).ok()
-            });
+            let run = parameter
+                .set(&mut scene, value)
+                .ok()
+                .and_then(|()| simulate(&scene, solver.as_ref(), STEPS).ok());
             run.map_or(f64::NAN, |run| run.last().q[2].x)
         };
         let difference = derivative(place, parameter.value(&scene), 1e-5).value;

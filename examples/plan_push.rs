@@ -31,7 +31,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         friction: 0.1,
         ..BodyDef::default()
     };
-    let push = ControlDef { name: "push".into(), input: ControlInput::ForceX { body: "box".into() } };
+    let push =
+        ControlDef { name: "push".into(), input: ControlInput::ForceX { body: "box".into() } };
     let scene = Scene::new(&SceneDef {
         dt: 0.02,
         bodies: vec![floor, cube],

@@ -8,6 +8,8 @@ pub use tangency_lcp as lcp;
 pub use tangency_lcp_clarabel as lcp_clarabel;
 #[cfg(feature = "ipm")]
 pub use tangency_lcp_ipm as lcp_ipm;
+#[cfg(feature = "lemke")]
+pub use tangency_lcp_lemke as lcp_lemke;
 
 mod scene_file;
 
@@ -22,13 +24,13 @@ pub use tangency_core::*;
 pub use tangency_diff::{
     Gradient, GradientReport, Parameter, RolloutVector, SceneVector, StateVector, gradient, tangent,
 };
-pub use tangency_lcp::LcpSolver;
+pub use tangency_lcp::{Fallback, LcpSolver};
 
 /// The solver for who does not care which: the first of [`solvers`].
 ///
 /// # Panics
 /// Never: it exists only where a backend's feature is on.
-#[cfg(any(feature = "ipm", feature = "clarabel"))]
+#[cfg(any(feature = "ipm", feature = "clarabel", feature = "lemke"))]
 #[must_use]
 pub fn default_solver() -> Box<dyn LcpSolver> {
     solvers().swap_remove(0)
@@ -41,6 +43,8 @@ pub const BACKENDS: &[&str] = &[
     "ipm",
     #[cfg(feature = "clarabel")]
     "clarabel",
+    #[cfg(feature = "lemke")]
+    "lemke",
 ];
 
 /// The solver of a backend's name, one of [`BACKENDS`].
@@ -57,5 +61,26 @@ pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
         Box::new(tangency_lcp_ipm::InteriorPoint::default()),
         #[cfg(feature = "clarabel")]
         Box::new(tangency_lcp_clarabel::Clarabel::default()),
+        #[cfg(feature = "lemke")]
+        Box::new(tangency_lcp_lemke::Lemke::default()),
     ]
+}
+
+/// The solvers of raw problems, in the order of [`BACKENDS`].
+#[must_use]
+pub fn raw_solvers() -> Vec<Box<dyn lcp::RawSolver>> {
+    vec![
+        #[cfg(feature = "ipm")]
+        Box::new(tangency_lcp_ipm::InteriorPoint::default()),
+        #[cfg(feature = "clarabel")]
+        Box::new(tangency_lcp_clarabel::Clarabel::default()),
+        #[cfg(feature = "lemke")]
+        Box::new(tangency_lcp_lemke::Lemke::default()),
+    ]
+}
+
+/// All backends of this build in turn, the first of [`solvers`] first.
+#[must_use]
+pub fn fallback() -> Fallback {
+    Fallback::new(solvers())
 }

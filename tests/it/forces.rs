@@ -7,9 +7,9 @@ use tangency_bench::scenes::{disc, floor, hinge, material, motor_arm, rod, unit_
 
 use crate::engine::{backends, built, near, run};
 
-fn floating(force: ForceDef) -> Scene {
+fn floating(force: &ForceDef) -> Scene {
     let body = BodyDef { mass: Some(2.0), inertia: Some(0.5), ..disc("body", 0.1, [0.0; 2]) };
-    let force = ForceDef { body: "body".into(), ..force };
+    let force = ForceDef { body: "body".into(), ..force.clone() };
     built(&SceneDef { forces: vec![force], ..unit_scene("pushed", vec![body]) })
 }
 
@@ -17,7 +17,7 @@ fn floating(force: ForceDef) -> Scene {
 #[track_caller]
 fn check_window(start: Option<f64>, end: Option<f64>, acted: f64) {
     let force = ForceDef { force: [3.0, -1.0], torque: 0.2, start, end, ..ForceDef::default() };
-    let scene = floating(force);
+    let scene = floating(&force);
     for solver in backends() {
         let v = run(&scene, &*solver, 50).last().v[0];
         near("force in a window, x", v.x, 3.0 * acted / 2.0, 1e-12);

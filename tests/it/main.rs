@@ -3,6 +3,11 @@
 //! Modules by question; what they share is [`engine`] (runs on every backend) and [`slope`]
 //! (derivatives of runs). Scenes and the finite difference come from `tangency-bench`.
 
+#![expect(
+    clippy::excessive_precision,
+    reason = "figures are those of the validation cases, digit by digit"
+)]
+
 mod engine;
 mod slope;
 

@@ -34,7 +34,9 @@ pub(crate) fn slope(
     let (reverse, size) = terms.fold((0.0, 0.0), |(sum, size), t| (sum + t, size + t.abs()));
 
     let mut along = RolloutVector::zeros(scene, rollout.records.len());
-    direction.iter().for_each(|(param, rate)| along.add(scene, *param, *rate));
+    for (param, rate) in direction {
+        along.add(scene, *param, *rate);
+    }
     let changes = tangent(scene, rollout, &along).expect("forward mode");
     let forward = changes.last().expect("the initial change").dot(seed);
     let scale = size.max(forward.abs()).max(1.0);

@@ -37,9 +37,7 @@ fn sliding(island: &IslandRecord) -> usize {
 
 fn islands() -> Vec<IslandRecord> {
     let scene = built(&pushing());
-    let of =
-        |solver: &Box<dyn tangency::LcpSolver>| first_step(&scene, &**solver).islands.remove(0);
-    backends().iter().map(of).collect()
+    backends().iter().map(|solver| first_step(&scene, &**solver).islands.remove(0)).collect()
 }
 
 fn bar(bodies: usize) -> Vec<Vector3<f64>> {

@@ -5,4 +5,5 @@
 //! cases, of the paper's experiment, and some small machines.
 
 pub mod finite_difference;
+pub mod problems;
 pub mod scenes;

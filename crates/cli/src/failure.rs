@@ -91,6 +91,12 @@ pub enum Failure {
         /// Numbers given.
         found: usize,
     },
+    /// Parameters that set the same number.
+    #[error("--learn {:?} and {:?} set the same number; learn one of them", names[0], names[1])]
+    Overlap {
+        /// The parameters.
+        names: [String; 2],
+    },
     /// A derivative could not be taken.
     #[error(transparent)]
     Derivative(#[from] DiffError),
@@ -131,7 +137,8 @@ impl Failure {
             | Self::Parameter(_)
             | Self::Value { .. }
             | Self::Loss { .. }
-            | Self::StartCount { .. } => ExitCode::from(2),
+            | Self::StartCount { .. }
+            | Self::Overlap { .. } => ExitCode::from(2),
             Self::Write { .. }
             | Self::Step { .. }
             | Self::State(_)

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde::Serialize;
+use tangency::Param;
 use tangency::diff::Parameter;
 
 use crate::args::positive;
@@ -72,6 +73,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let solver = find_solver(&arguments.backend)?;
     let scene = tangency::load_scene(&arguments.scene)?;
     let parameters = Parameter::parse_all(&scene, &arguments.learn)?;
+    check_apart(&parameters)?;
     let observed = Observations::read(&arguments.observed, &scene)?;
     let steps = optimise::steps_until(scene.dt(), observed.end());
     let solver = solver.as_ref();
@@ -125,10 +127,19 @@ pub fn best(trace: &[Iterate]) -> &Iterate {
     whole.min_by(|a, b| a.loss.total_cmp(&b.loss)).unwrap_or(&trace[0])
 }
 
-fn start_values(
-    arguments: &Arguments,
-    objective: &Objective<'_>,
-) -> Result<Vec<f64>, Failure> {
+/// Two parameters that set the same number cannot both be learned.
+fn check_apart(parameters: &[Parameter]) -> Result<(), Failure> {
+    for (index, one) in parameters.iter().enumerate() {
+        let sets = |target: &(Param, f64)| one.targets.iter().any(|own| own.0 == target.0);
+        if let Some(other) = parameters[..index].iter().find(|p| p.targets.iter().any(sets)) {
+            let names = [other, one].map(|parameter| parameter.name.clone());
+            return Err(Failure::Overlap { names });
+        }
+    }
+    Ok(())
+}
+
+fn start_values(arguments: &Arguments, objective: &Objective<'_>) -> Result<Vec<f64>, Failure> {
     let start = arguments.start.clone().unwrap_or_else(|| objective.values());
     let (expected, found) = (objective.parameters.len(), start.len());
     if found == expected { Ok(start) } else { Err(Failure::StartCount { expected, found }) }

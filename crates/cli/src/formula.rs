@@ -127,7 +127,9 @@ impl<V: PartialEq, R: Fn(&str) -> Result<V, String>> Parser<'_, V, R> {
 
     fn atom(&mut self) -> Result<Node, FormulaError> {
         match self.peek() {
-            None => Err(self.error("the formula ends where a number or a name was expected".into())),
+            None => {
+                Err(self.error("the formula ends where a number or a name was expected".into()))
+            }
             Some('(') => self.parenthesis(),
             Some('{') => {
                 let rest = &self.text[self.at + 1..];
@@ -138,7 +140,9 @@ impl<V: PartialEq, R: Fn(&str) -> Result<V, String>> Parser<'_, V, R> {
             }
             Some(c) if c.is_ascii_digit() || c == '.' => self.number(),
             Some(c) if c.is_alphabetic() || c == '_' => self.name(),
-            Some(c) => Err(self.error(format!("unexpected `{c}`; a number or a name was expected"))),
+            Some(c) => {
+                Err(self.error(format!("unexpected `{c}`; a number or a name was expected")))
+            }
         }
     }
 

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use serde::Serialize;
-use tangency::diff::lcp::WeakKind;
-use tangency::diff::{OneSided, Parameter};
-use tangency::{Rollout, RowSource, Scene};
+use tangency::diff::{OneSided, Parameter, Switch};
+use tangency::{Param, Rollout, RowSource, Scene};
 use tangency_bench::finite_difference::derivative;
 
 use crate::args::positive;
@@ -99,13 +98,10 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
     let values = objective.values();
     let evaluation = objective.evaluate(&loss, &values)?;
-    let differences = if arguments.check {
-        Some(differences(&objective, &loss, &values, console))
-    } else {
-        None
-    };
+    let differences =
+        if arguments.check { Some(differences(&objective, &loss, console)?) } else { None };
     let (_, rollout) = objective.rollout(&values)?;
-    let report = Report::new(&objective, &rollout, &evaluation, differences.as_deref());
+    let report = Report::new(&objective, &loss, &rollout, &evaluation, differences.as_deref());
     if arguments.json {
         console.say(serde_json::to_string_pretty(&report).unwrap_or_default());
     } else {
@@ -114,39 +110,60 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     report.judge(arguments.tolerance)
 }
 
-/// Extrapolated central differences by every parameter; not a number where a step failed.
+/// Extrapolated central differences by every parameter.
 fn differences(
     objective: &Objective<'_>,
     loss: &Loss,
-    values: &[f64],
     console: &Console,
-) -> Vec<f64> {
-    let progress = console.progress(values.len(), "differences");
-    let by = |index: usize| {
-        let difference = difference(objective, loss, values, index);
+) -> Result<Vec<Difference>, Failure> {
+    let progress = console.progress(objective.parameters.len(), "differences");
+    let mut found = Vec::new();
+    for parameter in objective.parameters {
+        // Alone, because parameters may overlap.
+        let alone = Objective { parameters: std::slice::from_ref(parameter), ..*objective };
+        found.push(Difference::new(&alone, loss, parameter.value(objective.scene))?);
         progress.inc(1);
-        difference
-    };
-    let found = (0..values.len()).map(by).collect();
+    }
     progress.finish_and_clear();
-    found
+    Ok(found)
 }
 
-/// The extrapolated central difference by one parameter.
-#[must_use]
-pub fn difference(objective: &Objective<'_>, loss: &Loss, values: &[f64], index: usize) -> f64 {
-    let value = values[index];
-    let step = DIFFERENCE_STEP * if value == 0.0 { 1.0 } else { value.abs() };
-    let loss_at = |value: f64| {
-        let mut values = values.to_vec();
-        values[index] = value;
-        objective.value(loss, &values).unwrap_or(f64::NAN)
-    };
-    derivative(loss_at, value, step).value
+/// A difference quotient, to check a derivative against.
+#[derive(Clone, Copy, Debug)]
+pub struct Difference {
+    /// The extrapolated central difference; not a number where a step failed.
+    pub value: f64,
+    /// The greater one of the slopes to both sides: what rounding is relative to where the
+    /// derivative vanishes.
+    pub slope: f64,
+}
+
+impl Difference {
+    /// Of an objective with one parameter.
+    ///
+    /// # Errors
+    /// A rollout that failed at the value itself.
+    pub fn new(objective: &Objective<'_>, loss: &Loss, value: f64) -> Result<Self, Failure> {
+        let step = DIFFERENCE_STEP * if value.abs() < SMALL { 1.0 } else { value.abs() };
+        let here = objective.value(loss, &[value])?;
+        let loss_at = |value: f64| objective.value(loss, &[value]).unwrap_or(f64::NAN);
+        let slope = |step: f64| ((loss_at(value + step) - here) / step).abs();
+        let slope = slope(step).max(slope(-step));
+        Ok(Self { value: derivative(loss_at, value, step).value, slope })
+    }
+
+    /// How far a derivative is from it.
+    #[must_use]
+    pub fn relative_error(&self, exact: f64) -> f64 {
+        let size = exact.abs().max(self.value.abs()).max(self.slope);
+        if size == 0.0 { 0.0 } else { (exact - self.value).abs() / size }
+    }
 }
 
 /// Largest step of the differences, relative to the parameter's value.
 const DIFFERENCE_STEP: f64 = 1e-4;
+/// Values below this count as zero, and their steps are absolute.
+const SMALL: f64 = 1e-6;
 
 /// |a − b| relative to the larger of them; 0 if both are 0.
 #[must_use]
@@ -158,9 +175,10 @@ pub fn relative_error(a: f64, b: f64) -> f64 {
 impl Report {
     fn new(
         objective: &Objective<'_>,
+        loss: &Loss,
         rollout: &Rollout,
         found: &Evaluation,
-        differences: Option<&[f64]>,
+        differences: Option<&[Difference]>,
     ) -> Self {
         let parameter = |(index, parameter): (usize, &Parameter)| {
             let gradient = found.gradient[index];
@@ -169,8 +187,8 @@ impl Report {
                 name: parameter.name.clone(),
                 value: parameter.value(objective.scene),
                 gradient,
-                difference,
-                relative_error: difference.map(|d| relative_error(gradient, d)),
+                difference: difference.map(|d| d.value),
+                relative_error: difference.map(|d| d.relative_error(gradient)),
             }
         };
         let one_sided = &found.report.one_sided;
@@ -179,7 +197,11 @@ impl Report {
             steps: objective.steps,
             duration: rollout.last().time,
             parameters: objective.parameters.iter().enumerate().map(parameter).collect(),
-            one_sided: one_sided.iter().map(|it| describe(it, objective.scene, rollout)).collect(),
+            one_sided: one_sided
+                .iter()
+                .map(|it| describe(it, objective.scene, rollout))
+                .chain(meeting_times(objective, loss, rollout))
+                .collect(),
             residual: found.residual,
             forward_seconds: found.forward.as_secs_f64(),
             reverse_seconds: found.reverse.as_secs_f64(),
@@ -194,7 +216,7 @@ impl Report {
         }
         let mut grid = Grid::with_heading(heading.into_iter().map(str::to_owned).collect());
         for p in &self.parameters {
-            let mut cells = vec![p.name.clone(), p.value.to_string(), exact(p.gradient)];
+            let mut cells = vec![p.name.clone(), short(p.value), exact(p.gradient)];
             cells.extend(p.difference.map(exact));
             cells.extend(p.relative_error.map(|error| format!("{error:.1e}")));
             grid.row(cells);
@@ -209,7 +231,7 @@ impl Report {
         );
         if !self.one_sided.is_empty() {
             text += &format!(
-                "\n\nThe derivative is one-sided: {} row(s) lie on a switch. The first: {}",
+                "\n\nThe derivative is one-sided at {} place(s), the first: {}",
                 self.one_sided.len(),
                 self.one_sided[0]
             );
@@ -229,8 +251,23 @@ impl Report {
     }
 }
 
+/// All digits of a number, without rows of zeros.
+fn short(number: f64) -> String {
+    let plain = number == 0.0 || (1e-4..1e6).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
+}
+
 fn exact(number: f64) -> String {
     format!("{number:.10e}")
+}
+
+/// By dt an interpolated motion has a kink wherever an observed time meets a step.
+fn meeting_times(objective: &Objective<'_>, loss: &Loss, rollout: &Rollout) -> Option<String> {
+    let is_dt = |parameter: &Parameter| parameter.targets.iter().any(|t| t.0 == Param::Dt);
+    let Loss::Observed(observed) = loss else { return None };
+    let by_dt = objective.parameters.iter().any(is_dt);
+    (by_dt && observed.meets_steps(rollout))
+        .then(|| "by dt, because observed times meet steps exactly".into())
 }
 
 /// What lies on a switch, in words.
@@ -249,9 +286,10 @@ fn describe(it: &OneSided, scene: &Scene, rollout: &Rollout) -> String {
         RowSource::Normal { contact: c } | RowSource::Tangent { contact: c } => contact(c),
     };
     let between = match it.kind {
-        WeakKind::Touching => "open or closed",
-        WeakKind::Slipping => "sticking or sliding",
-        WeakKind::Saturating => "holding or at its greatest effort",
+        Switch::Touching => "open or closed",
+        Switch::Slipping => "sticking or sliding",
+        Switch::Saturating => "holding or at its greatest effort",
+        Switch::Bouncing => "reaching the other body within the step or just not",
     };
     format!("step {}, {what}: {between}", it.step + 1)
 }

@@ -5,9 +5,9 @@ use std::path::Path;
 use tangency::diff::StateVector;
 use tangency::{Rollout, Scene};
 
+use crate::Failure;
 use crate::formula::Formula;
 use crate::observations::Observations;
-use crate::Failure;
 
 /// A number that judges a rollout.
 #[derive(Clone, Debug)]
@@ -60,7 +60,8 @@ impl Loss {
                 let mut seeds = vec![None; rollout.records.len()];
                 let mut last = StateVector::like(rollout.last());
                 let (_, slopes) = formula.evaluate(&coordinates(formula, rollout));
-                for (Coordinate { body, component }, slope) in formula.variables.iter().zip(slopes) {
+                for (Coordinate { body, component }, slope) in formula.variables.iter().zip(slopes)
+                {
                     let list = if *component < 3 { &mut last.q } else { &mut last.v };
                     list[*body][component % 3] += slope;
                 }
@@ -88,7 +89,8 @@ impl Coordinate {
             return Err(format!("unknown variable `{name}`; {expected}"));
         };
         let component = COMPONENTS.iter().position(|known| *known == component);
-        let component = component.ok_or_else(|| format!("unknown variable `{name}`; {expected}"))?;
+        let component =
+            component.ok_or_else(|| format!("unknown variable `{name}`; {expected}"))?;
         let body = scene.body_index(body).ok_or_else(|| {
             let known: Vec<&str> = scene.bodies().iter().map(|b| b.name.as_str()).collect();
             format!("the scene has no body `{body}`; known: {}", known.join(", "))

@@ -76,7 +76,10 @@ impl Observations {
     #[must_use]
     pub fn until(&self, time: f64) -> Self {
         let early = |frame: &&ObservedFrame| frame.time <= time * (1.0 + AT_STEP);
-        Self { bodies: self.bodies.clone(), frames: self.frames.iter().filter(early).cloned().collect() }
+        Self {
+            bodies: self.bodies.clone(),
+            frames: self.frames.iter().filter(early).cloned().collect(),
+        }
     }
 
     /// How many numbers were observed.
@@ -89,6 +92,12 @@ impl Observations {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Whether any observed time but 0 is exactly that of a step.
+    #[must_use]
+    pub fn meets_steps(&self, rollout: &Rollout) -> bool {
+        self.frames.iter().any(|frame| frame.time > 0.0 && place(rollout, frame.time).s == 0.0)
     }
 
     /// The mean squared error of a rollout, m² (and rad²).
@@ -218,13 +227,13 @@ impl Reader<'_> {
                 self.add(&mut seen, index, row.time, body, pose)?;
             }
         }
-        let missing = seen.frames.iter().find(|frame| frame.poses.len() < seen.bodies.len());
-        if seen.is_empty() || missing.is_some() {
-            let time = missing.map_or(0.0, |frame| frame.time);
-            let what = format!("at time {time} some bodies are missing; every time needs the same");
-            return Err(self.wrong(rows.len().saturating_sub(1), what));
+        if seen.is_empty() {
+            return Err(self.wrong(0, "no body of the scene that moves is observed".into()));
         }
-        Ok(seen)
+        let missing = seen.frames.iter().find(|frame| frame.poses.len() < seen.bodies.len());
+        let Some(ObservedFrame { time, .. }) = missing else { return Ok(seen) };
+        let what = format!("at time {time} some bodies are missing; every time needs the same");
+        Err(self.wrong(rows.len() - 1, what))
     }
 
     /// Adds a pose; the bodies of the first frame set the order for all.

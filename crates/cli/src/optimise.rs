@@ -16,10 +16,10 @@ use clap::ValueEnum;
 use nalgebra::{DMatrix, DVector};
 use tangency::diff::Parameter;
 
+use crate::Failure;
 use crate::loss::Loss;
 use crate::objective::{Linearisation, Objective};
 use crate::observations::Observations;
-use crate::Failure;
 
 /// How parameters are fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -142,8 +142,16 @@ impl Chart {
 /// Quantities that a scene refuses unless they are positive.
 fn must_be_positive(parameter: &Parameter) -> bool {
     const POSITIVE: [&str; 10] = [
-        "mass", "total_mass", "density", "inertia", "radius", "dt", "length", "motor_max",
-        "stiffness", "damping",
+        "mass",
+        "total_mass",
+        "density",
+        "inertia",
+        "radius",
+        "dt",
+        "length",
+        "motor_max",
+        "stiffness",
+        "damping",
     ];
     let quantity = parameter.name.split([':', '.']).next().unwrap_or_default();
     POSITIVE.contains(&quantity)

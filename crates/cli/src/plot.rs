@@ -101,8 +101,8 @@ impl Axis {
             return (self.place(low).unwrap_or(0.0), self.place(high).unwrap_or(1.0));
         }
         let places = numbers.filter_map(|number| self.place(number));
-        let (low, high) = places
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+        let (low, high) =
+            places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
         if low > high {
             return (0.0, 1.0);
         }
@@ -309,7 +309,11 @@ impl<DB: DrawingBackend> Canvas<'_, DB> {
     /// A stroke of a width in units.
     #[must_use]
     pub fn stroke(&self, color: RGBColor, width: f64) -> ShapeStyle {
-        ShapeStyle { color: color.to_rgba(), filled: false, stroke_width: pixels(width, self.scale) }
+        ShapeStyle {
+            color: color.to_rgba(),
+            filled: false,
+            stroke_width: pixels(width, self.scale),
+        }
     }
 
     /// Title, subtitle and legend; returns how high they are, units.
@@ -395,8 +399,7 @@ impl Figure for Chart {
             .x_label_formatter(&|place| self.x.tick_label(*place))
             .y_label_formatter(&|place| self.y.tick_label(*place))
             .draw()?;
-        if let Some(y) = level.and_then(|level| self.y.place(level))
-        {
+        if let Some(y) = level.and_then(|level| self.y.place(level)) {
             let line = [(x_span.0, y), (x_span.1, y)];
             let style = canvas.stroke(GREY, 1.5);
             let dashed = DashedLineSeries::new(line, unit(6.0), unit(5.0), style);

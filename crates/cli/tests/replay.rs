@@ -152,6 +152,7 @@ fn a_page_of_one_frame_and_no_bodies_is_fine() {
 
 /// What a person would do: each action is followed by the step that the clock then shows.
 const ACTIONS: &str = r#"<script>
+{
 const seen = [];
 const note = () => seen.push(document.getElementById("clock").textContent.match(/step (\d+)/)[1]);
 const key = (k) => { window.dispatchEvent(new KeyboardEvent("keydown", { key: k })); note(); };
@@ -165,6 +166,7 @@ window.dispatchEvent(new Event("resize")); note();
 document.getElementById("next").click(); note();
 key(" "); key(" ");
 document.body.dataset.seen = seen.slice(0, 16).join(" ");
+}
 </script></body>"#;
 
 #[test]

@@ -131,6 +131,13 @@ impl RowContext<'_> {
         }
     }
 
+    /// J v⁻ of a row over both its sides, m/s or rad/s.
+    #[must_use]
+    pub fn speed(&self, geometry: &RowGeometry) -> f64 {
+        let sides = geometry.bodies.iter().zip(&geometry.jacobian);
+        sides.filter_map(|(body, j)| body.map(|b| j.dot(&self.v[b]))).sum()
+    }
+
     /// Right-hand side of a row, before the velocities of kinematic bodies are taken off.
     /// `speed` is J v⁻.
     #[must_use]

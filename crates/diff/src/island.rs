@@ -30,8 +30,7 @@ pub(crate) fn vjp(
     }
     for (source, bar) in island.sources.iter().zip(&problem_bar.rows) {
         let geometry = context.geometry(*source);
-        let speed = speed(context, &geometry);
-        let rhs = context.rhs(*source, geometry.value, speed);
+        let rhs = context.rhs(*source, geometry.value, context.speed(&geometry));
         let j_bar = pull_speed(context, &geometry, &rhs, bar, &mut bars.state);
         let value_bar = bar.rhs * rhs.d_position;
         bars.scene.dt += bar.rhs * rhs.d_dt + bar.compliance * rhs.compliance_d_dt;
@@ -71,7 +70,7 @@ pub(crate) fn jvp(
     change.momentum = bodies().map(|b| momentum[b]).collect();
     for (k, source) in island.sources.iter().enumerate() {
         let geometry = context.geometry(*source);
-        let rhs = context.rhs(*source, geometry.value, speed(context, &geometry));
+        let rhs = context.rhs(*source, geometry.value, context.speed(&geometry));
         let (dj, d_value) = geometry_jvp(context, *source, contacts, along);
         let row = &mut change.rows[k];
         let (mut d_speed, mut d_driven) = (0.0, 0.0);
@@ -93,12 +92,6 @@ pub(crate) fn jvp(
         push_parameters(context, *source, row, &rhs, along);
     }
     change
-}
-
-/// J·v⁻ over both sides.
-fn speed(context: &RowContext<'_>, geometry: &RowGeometry) -> f64 {
-    let sides = geometry.bodies.iter().zip(&geometry.jacobian);
-    sides.filter_map(|(body, j)| body.map(|b| j.dot(&context.v[b]))).sum()
 }
 
 /// J̄ of a row with what comes through J·v; adds to v̄.

@@ -1,18 +1,42 @@
 //! What was not smooth along a gradient.
 
-use tangency_core::{IslandRecord, RowSource};
+use tangency_core::row::RowContext;
+use tangency_core::{ContactModel, IslandRecord, RowSource};
 
-use crate::lcp::{LcpGradientReport, WeakKind};
+use crate::lcp::{LcpGradientReport, WEAK_MARGIN, WeakKind, WeakRow};
 
-/// A row that was exactly between two modes, so that its derivative is one-sided.
+/// Between which two pieces a row was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Switch {
+    /// Open and closed: zero impulse and zero slack.
+    Touching,
+    /// Sticking and sliding.
+    Slipping,
+    /// Below and at a motor's greatest effort.
+    Saturating,
+    /// Reaching the other body within the step, and so bouncing off it, or just not.
+    Bouncing,
+}
+
+impl From<WeakKind> for Switch {
+    fn from(kind: WeakKind) -> Self {
+        match kind {
+            WeakKind::Touching => Self::Touching,
+            WeakKind::Slipping => Self::Slipping,
+            WeakKind::Saturating => Self::Saturating,
+        }
+    }
+}
+
+/// A row that was between two pieces, so that its derivative holds on one side only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneSided {
     /// The step.
     pub step: usize,
     /// The row.
     pub source: RowSource,
-    /// Between which modes.
-    pub kind: WeakKind,
+    /// Between which pieces.
+    pub kind: Switch,
 }
 
 /// What a gradient's user should know about it.
@@ -36,12 +60,24 @@ impl GradientReport {
         if report.rank_defect > 0 && self.dependent_rows.last() != Some(&step) {
             self.dependent_rows.push(step);
         }
-        let row = |weak: &crate::lcp::WeakRow| OneSided {
+        let row = |weak: &WeakRow| OneSided {
             step,
             source: island.sources[weak.row as usize],
-            kind: weak.kind,
+            kind: weak.kind.into(),
         };
         self.one_sided.extend(report.weak.iter().map(row));
+    }
+
+    /// Adds the contacts for which `gap + dt Jₙ v⁻` is zero to rounding, the switch of restitution.
+    pub(crate) fn add_bounces(&mut self, context: &RowContext<'_>, island: &IslandRecord) {
+        if context.scene.contact_model() != ContactModel::Gap {
+            return;
+        }
+        let step = self.step;
+        let bounces = island.sources.iter().filter(|source| at_bounce(context, **source));
+        let one_sided =
+            |source: &RowSource| OneSided { step, source: *source, kind: Switch::Bouncing };
+        self.one_sided.extend(bounces.map(one_sided));
     }
 
     /// Reverse mode meets the last step first; users read the first one first.
@@ -49,4 +85,15 @@ impl GradientReport {
         self.one_sided.reverse();
         self.dependent_rows.reverse();
     }
+}
+
+fn at_bounce(context: &RowContext<'_>, source: RowSource) -> bool {
+    let RowSource::Normal { contact } = source else { return false };
+    let [a, b] = context.contact_bodies(contact);
+    if context.scene.pair_restitution(a, b).value == 0.0 {
+        return false;
+    }
+    let geometry = context.geometry(source);
+    let (gap, travel) = (geometry.value, context.scene.dt() * context.speed(&geometry));
+    gap > context.contact_slop(contact) && (gap + travel).abs() <= WEAK_MARGIN * gap
 }

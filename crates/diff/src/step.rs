@@ -52,6 +52,7 @@ pub fn step_vjp(
         let seed = gather(&island.bodies, &v_bar);
         let (problem_bar, lcp_report) = lcp_vjp(&island.problem, &island.solution, &seed, None)?;
         report.add(island, &lcp_report);
+        report.add_bounces(&context, island);
         for (body, bar) in island.bodies.iter().zip(&problem_bar.momentum) {
             p_bar[*body as usize] += bar;
         }

@@ -52,6 +52,21 @@ impl Default for Clarabel {
     }
 }
 
+impl Clarabel {
+    pub(crate) fn conic_settings(&self) -> DefaultSettings<f64> {
+        let tolerance = self.conic_tolerance;
+        DefaultSettings {
+            verbose: false,
+            presolve_enable: false, // or b could not be updated
+            max_threads: 1,
+            tol_gap_abs: tolerance,
+            tol_gap_rel: tolerance,
+            tol_feas: tolerance,
+            ..DefaultSettings::default()
+        }
+    }
+}
+
 impl LcpSolver for Clarabel {
     fn name(&self) -> &'static str {
         "clarabel"
@@ -159,27 +174,18 @@ impl Search<'_> {
     }
 
     fn conic(&self, program: &Program) -> Result<DefaultSolver<f64>, LcpError> {
-        let tolerance = self.settings.conic_tolerance;
-        let settings = DefaultSettings {
-            verbose: false,
-            presolve_enable: false, // or b could not be updated
-            max_threads: 1,
-            tol_gap_abs: tolerance,
-            tol_gap_rel: tolerance,
-            tol_feas: tolerance,
-            ..DefaultSettings::default()
-        };
+        let settings = self.settings.conic_settings();
         let Program { p, q, a, b, cones, .. } = program;
         DefaultSolver::new(p, q, a, b, cones, settings).map_err(|e| refused(&e))
     }
 }
 
-fn refused(error: &dyn std::fmt::Display) -> LcpError {
+pub(crate) fn refused(error: &dyn std::fmt::Display) -> LcpError {
     let source = Box::new(ClarabelFailure::Refused { reason: error.to_string() });
     LcpError::Backend { solver: "clarabel", source }
 }
 
-fn stopped(conic: &DefaultSolver<f64>) -> LcpError {
+pub(crate) fn stopped(conic: &DefaultSolver<f64>) -> LcpError {
     let status = conic.solution.status.to_string();
     LcpError::Backend { solver: "clarabel", source: Box::new(ClarabelFailure::Stopped { status }) }
 }

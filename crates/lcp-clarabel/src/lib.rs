@@ -19,6 +19,7 @@
 mod anderson;
 mod conic;
 mod fixed_point;
+mod raw;
 mod status;
 
 pub use fixed_point::{Clarabel, FrictionCone};

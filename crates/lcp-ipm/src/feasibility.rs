@@ -7,10 +7,10 @@
 #![expect(non_snake_case, reason = "matrices carry their names from the literature")]
 
 use nalgebra::{DMatrix, DVector};
-use tangency_lcp::{Law, Lcp, LcpSolver, Metric, Scratch};
+use tangency_lcp::{Law, Lcp, LcpSolver, Metric, RawLcp, Scratch};
 
 use crate::InteriorPoint;
-use crate::raw::{RawLcp, solve_raw};
+use crate::raw::solve_raw;
 
 const SOFT: f64 = 1e-5;
 const HARD: f64 = 1e-7;

@@ -1,18 +1,16 @@
 //! The native solver: active-set polish of a guess, then a primal-dual interior point that is
 //! polished as soon as it shows the modes.
 //!
-//! Knows [`Lcp`](tangency_lcp::Lcp) and nothing physical. Read `solve` (the order of the stages),
-//! `box_form` (the problem as the interior point sees it), `newton`, `mehrotra`.
+//! Knows [`Lcp`](tangency_lcp::Lcp) and nothing physical. Read `solve` (the order of the stages; the
+//! problem as it sees it is a [`BoxForm`](tangency_lcp::BoxForm)), `mehrotra`, `newton`; `raw` for
+//! problems without physics.
 
-mod box_form;
 mod feasibility;
-mod lemke;
 mod mehrotra;
 mod newton;
-mod pivoting;
 mod raw;
-mod raw_active;
 mod solve;
 
-pub use raw::{RawLcp, RawSolution, solve_raw};
+pub use raw::solve_raw;
 pub use solve::InteriorPoint;
+pub use tangency_lcp::{RawLcp, RawSolution};

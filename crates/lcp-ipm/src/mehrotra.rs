@@ -1,6 +1,7 @@
 //! The infeasible predictor-corrector loop (Mehrotra 1992; Mattingley & Boyd 2012) on the box form.
 
-use crate::box_form::BoxForm;
+use tangency_lcp::BoxForm;
+
 use crate::newton::{Iterate, Newton};
 
 /// Products are not driven below this; smaller ones cost accuracy at grazing contacts.

@@ -12,9 +12,7 @@
 //! where r is u = W y + q less what the pairs say, and r± = h ∓ y − s±. Only the coupling of friction
 //! to its normal makes the matrix non-symmetric.
 
-use tangency_lcp::{BandMatrix, Lu};
-
-use crate::box_form::{BoxForm, BoxLaw};
+use tangency_lcp::{BandMatrix, BoxForm, BoxLaw, Lu};
 
 /// δ: keeps equalities solvable when they depend on each other.
 const PROXIMAL: f64 = 1e-10;
@@ -61,7 +59,7 @@ impl Iterate {
         form.laws
             .iter()
             .zip(&self.pairs)
-            .flat_map(|(law, pairs)| pairs[..pair_count(*law)].iter().copied())
+            .flat_map(|(law, pairs)| pairs[..law.pairs()].iter().copied())
     }
 
     /// Mean product of the pairs.
@@ -99,14 +97,6 @@ impl Iterate {
 
 fn reach(value: f64, change: f64, longest: f64) -> f64 {
     if change < 0.0 { longest.min(-value / change) } else { longest }
-}
-
-pub(crate) fn pair_count(law: BoxLaw) -> usize {
-    match law {
-        BoxLaw::Free => 0,
-        BoxLaw::Positive => 1,
-        BoxLaw::Bounded { .. } | BoxLaw::Friction { .. } => 2,
-    }
 }
 
 /// Factored Newton matrix at one iterate.

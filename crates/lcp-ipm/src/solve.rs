@@ -1,14 +1,13 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    Guess, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Mode, Polish, Polished, Scratch,
+    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Mode, Polish, Polished, Scratch,
     SolveStats, solve_linear,
 };
+use tangency_lcp_lemke::candidates;
 
-use crate::box_form::BoxForm;
 use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
-use crate::pivoting;
 
 /// Interior-point solver with active-set polish.
 ///
@@ -118,7 +117,7 @@ impl Search<'_> {
 
     fn pivoting(&mut self, form: &BoxForm) -> bool {
         self.polish.max_flips *= 5;
-        pivoting::candidates(form).any(|(y, pivots)| {
+        candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;
             self.polish_at(form, &y, &mut None)
         })

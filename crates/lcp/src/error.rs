@@ -86,6 +86,20 @@ pub enum LcpError {
         /// What the row has that the form lacks.
         what: &'static str,
     },
+    /// The backend does not take problems of this class.
+    #[error(
+        "{solver} solves {class} problems only, and this one has {measure} = {value:e}; take another backend"
+    )]
+    OutsideClass {
+        /// Name of the solver.
+        solver: &'static str,
+        /// The class that it solves.
+        class: &'static str,
+        /// The number that decides.
+        measure: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// The constraints contradict each other.
     #[error("conflicting constraints: least residual {residual:e}; loosen or remove rows")]
     Infeasible {

@@ -8,15 +8,18 @@
 
 mod active_set;
 mod band;
+mod box_form;
 mod delassus;
 mod dense;
 mod error;
+mod fallback;
 mod linear;
 mod modes;
 mod order;
 mod polish;
 mod problem;
 mod pseudo_inverse;
+mod raw;
 mod residual;
 mod rows;
 mod saddle;
@@ -26,14 +29,17 @@ mod validate;
 
 pub use active_set::{ActiveSystem, Fold, Reduced};
 pub use band::{BandMatrix, Cholesky, Lu};
+pub use box_form::{BoxForm, BoxLaw};
 pub use delassus::Delassus;
 pub use dense::{PaperForm, PaperSolution};
 pub use error::LcpError;
+pub use fallback::Fallback;
 pub use linear::solve_linear;
 pub use modes::{WeakKind, WeakRow};
 pub use polish::{Polish, Polished};
 pub use problem::{Law, Lcp, NO_BODY, Row};
 pub use pseudo_inverse::pseudo_inverse;
+pub use raw::{RawFriction, RawLcp, RawPolish, RawSolution, RawSolver};
 pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};

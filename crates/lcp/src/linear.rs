@@ -57,7 +57,7 @@ fn assemble(problem: &Lcp, system: &Arc<ActiveSystem>, reduced: &Reduced) -> Lcp
         velocities: reduced.velocities.clone(),
         impulses,
         modes: vec![Mode::Active; problem.rows.len()],
-        stats: SolveStats { iterations: 0, factorisations: 1 },
+        stats: SolveStats { factorisations: 1, ..SolveStats::default() },
         system: Some(Arc::clone(system)),
     }
 }

@@ -217,7 +217,7 @@ impl Polish<'_> {
             impulses,
             slacks,
             modes: effective(problem, modes),
-            stats: SolveStats { iterations: 0, factorisations: 1 },
+            stats: SolveStats { factorisations: 1, ..SolveStats::default() },
             system: Some(Arc::clone(system)),
         };
         let residual = problem.residual_in(self.metric, &solution);

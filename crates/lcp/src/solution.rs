@@ -27,6 +27,9 @@ pub struct SolveStats {
     pub iterations: u32,
     /// Matrix factorisations, those of the polish included.
     pub factorisations: u32,
+    /// Which solver of a [`Fallback`](crate::Fallback) answered, from 0; 0 otherwise.
+    #[serde(default)]
+    pub attempt: u32,
 }
 
 /// Velocities, impulses and remainders of an [`Lcp`](crate::Lcp).

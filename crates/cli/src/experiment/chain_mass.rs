@@ -54,8 +54,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<(), Failur
     let results = study::study(&setup, arguments, console)?;
 
     let folder = &arguments.out;
-    fs::create_dir_all(folder)
-        .map_err(|source| Failure::Write { file: folder.clone(), source })?;
+    fs::create_dir_all(folder).map_err(|source| Failure::Write { file: folder.clone(), source })?;
     figures::save_all(&setup, &results, folder)?;
     results.table().write_csv(&folder.join("results.csv"))?;
     write(&folder.join("results.json"), &results.json())?;

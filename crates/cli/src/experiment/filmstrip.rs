@@ -47,7 +47,13 @@ impl Figure for Filmstrip<'_> {
             canvas.area.draw(&frame)?;
             let caption = format!("{:.2} s", solid.time);
             let at = (left + FRAME.0 / 2.0, top + FRAME.1 + 5.0);
-            canvas.text(&caption, at, 15.0, (FontStyle::Normal, GREY), (HPos::Center, VPos::Top))?;
+            canvas.text(
+                &caption,
+                at,
+                15.0,
+                (FontStyle::Normal, GREY),
+                (HPos::Center, VPos::Top),
+            )?;
         }
         Ok(())
     }

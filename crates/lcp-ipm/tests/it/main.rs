@@ -2,9 +2,7 @@
 
 #![expect(non_snake_case, reason = "matrices carry their names from the paper")]
 
-// Hard problems from seeds,
-mod problems;
-// how many of them are solved,
+// How many hard problems are solved,
 mod reliability;
 // mixed problems with known answers,
 mod mixed;

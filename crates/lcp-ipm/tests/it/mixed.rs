@@ -6,7 +6,7 @@ use tangency_lcp::{
 };
 use tangency_lcp_ipm::InteriorPoint;
 
-use crate::problems::{CLASSES, Random, stack};
+use tangency_bench::problems::{CLASSES, Random, stack};
 
 type V = Vector3<f64>;
 

@@ -8,7 +8,7 @@ use std::io::Write;
 use tangency_lcp::{LcpError, LcpSolver, Scratch};
 use tangency_lcp_ipm::InteriorPoint;
 
-use crate::problems::{CLASSES, Class, Random};
+use tangency_bench::problems::{CLASSES, Class, Random};
 
 /// Problems of a class that may fail per hundred; piles and random graphs are the hard cases.
 fn allowed(name: &str) -> u64 {

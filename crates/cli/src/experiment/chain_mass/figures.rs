@@ -11,11 +11,7 @@ use crate::experiment::filmstrip::Filmstrip;
 use crate::plot::{Axis, Chart, Curve, save};
 
 /// Draws and writes all figures.
-pub(super) fn save_all(
-    setup: &Setup<'_>,
-    results: &Results,
-    folder: &Path,
-) -> Result<(), Failure> {
+pub(super) fn save_all(setup: &Setup<'_>, results: &Results, folder: &Path) -> Result<(), Failure> {
     save(&mass_per_update(results), &folder.join("mass"))?;
     save(&loss_per_update(results), &folder.join("loss"))?;
     save(&run_time(results), &folder.join("runtime"))?;

@@ -151,7 +151,11 @@ impl Results {
         row("its gradient", format!("{:.1}", self.start_gradient), "near −4000");
         row(&self.plain.name(), format!("{:.12}", self.plain_mass()), "7");
         let elsewhere = &self.plain_elsewhere;
-        row(&elsewhere.name(), format!("{:.6}", elsewhere.mass()), "cycles, as in the paper's code");
+        row(
+            &elsewhere.name(),
+            format!("{:.6}", elsewhere.mass()),
+            "cycles, as in the paper's code",
+        );
         for fit in &self.better {
             let error = relative_error(fit.mass(), self.true_mass);
             let updates = fit.trace.len() - 1;

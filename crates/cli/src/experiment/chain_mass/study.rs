@@ -9,7 +9,7 @@ use super::Arguments;
 use super::results::{Fit, LinkMasses, Noise, Results, RunTime, Variant};
 use super::setup::{RECIPE, START, Setup, TRUE_MASS, observe};
 use crate::fit::best;
-use crate::gradient::{difference, relative_error};
+use crate::gradient::{Difference, relative_error};
 use crate::loss::Loss;
 use crate::objective::{Evaluation, Objective};
 use crate::observations::Observations;
@@ -157,18 +157,13 @@ fn gradient_error(setup: &Setup<'_>) -> Result<f64, Failure> {
     let mut worst = 0.0_f64;
     for mass in CHECKED {
         let exact = objective.evaluate(&loss, &[mass])?.gradient[0];
-        worst = worst.max(relative_error(exact, difference(&objective, &loss, &[mass], 0)));
+        worst = worst.max(Difference::new(&objective, &loss, mass)?.relative_error(exact));
     }
     Ok(worst)
 }
 
 /// Estimates from noisy observations, and how far they should spread.
-fn noise(
-    setup: &Setup<'_>,
-    seed: u64,
-    seeds: u64,
-    console: &Console,
-) -> Result<Noise, Failure> {
+fn noise(setup: &Setup<'_>, seed: u64, seeds: u64, console: &Console) -> Result<Noise, Failure> {
     let progress = console.progress(usize::try_from(seeds).unwrap_or(0), "noise");
     let mut estimates = Vec::new();
     for seed in seed..seed + seeds {
@@ -191,9 +186,9 @@ fn expected_spread(setup: &Setup<'_>) -> Result<f64, Failure> {
     let scale = (linear.residuals.len() as f64).sqrt();
     let sigmas = [SIGMA[0], SIGMA[0], SIGMA[1]].into_iter().cycle();
     let slopes = linear.jacobian.iter().map(|j| j * scale);
-    let (variance, squares) = slopes.zip(sigmas).fold((0.0, 0.0), |(v, s), (j, sigma)| {
-        (v + (j * sigma).powi(2), s + j * j)
-    });
+    let (variance, squares) = slopes
+        .zip(sigmas)
+        .fold((0.0, 0.0), |(v, s), (j, sigma)| (v + (j * sigma).powi(2), s + j * j));
     Ok(variance.sqrt() / squares)
 }
 

@@ -1,12 +1,14 @@
-//! Active-set polish of raw problems.
+//! Active-set polish of raw problems: what every backend ends with.
 
 #![expect(non_snake_case, reason = "matrices carry their names from the literature")]
 
 use nalgebra::DVector;
-use tangency_lcp::{BandMatrix, Lu};
 
-use crate::box_form::{BoxForm, BoxLaw};
-use crate::raw::{RawLcp, RawSolution};
+use super::{RawLcp, RawSolution};
+use crate::{BandMatrix, BoxForm, BoxLaw, LcpError, Lu};
+
+/// Greatest residual that counts as solved.
+const ACCEPTANCE: f64 = 1e-10;
 
 /// ε of the proximal term, as for the rows of a mechanical problem.
 const PROXIMAL: f64 = 1e-10;
@@ -14,22 +16,100 @@ const MAX_SWEEPS: usize = 12;
 /// Below this z and w both count as zero, relative to the scaled q.
 const WEAK: f64 = 1e-10;
 
+/// Collects approximate unknowns of a raw problem and keeps the best that the active-set loop makes
+/// of them.
+#[derive(Clone, Debug)]
+pub struct RawPolish<'a> {
+    problem: &'a RawLcp,
+    form: &'a BoxForm,
+    target: f64,
+    max_flips: u32,
+    best: Option<Candidate>,
+}
+
+impl<'a> RawPolish<'a> {
+    /// A polish towards the residual `target`, with at most `max_flips` corrections per attempt.
+    /// `form` is the problem's [box form](RawLcp::box_form).
+    #[must_use]
+    pub fn new(problem: &'a RawLcp, form: &'a BoxForm, target: f64, max_flips: u32) -> Self {
+        Self { problem, form, target, max_flips, best: None }
+    }
+
+    /// The scaled problem, in whose unknowns y candidates are offered.
+    #[must_use]
+    pub fn form(&self) -> &'a BoxForm {
+        self.form
+    }
+
+    /// Whether the target is reached.
+    #[must_use]
+    pub fn reached(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.residual <= self.target)
+    }
+
+    /// The unknowns that y shows as active.
+    #[must_use]
+    pub fn active(&self, y: &[f64]) -> Vec<bool> {
+        let u = self.form.remainders(y);
+        let pairs = y.iter().zip(&u);
+        let active = |(law, (y, u)): (&BoxLaw, (&f64, &f64))| *law == BoxLaw::Free || y > u;
+        self.form.laws.iter().zip(pairs).map(active).collect()
+    }
+
+    /// Takes into account the approximate unknowns themselves and what the active-set loop makes of
+    /// them; true if the target is reached.
+    pub fn offer(&mut self, y: &[f64]) -> bool {
+        let z = DVector::from_vec(self.form.impulses(y));
+        self.keep(Candidate::plain(self.problem, z));
+        let found = self.active_set().run(self.active(y), y, self.target);
+        self.keep(found);
+        self.reached()
+    }
+
+    /// The best candidate as a solution.
+    ///
+    /// # Errors
+    /// [`LcpError::NotConverged`] if its residual is above 1e-10.
+    pub fn finish(self, iterations: u32, pivots: u32) -> Result<RawSolution, LcpError> {
+        let Self { problem, form, best, .. } = self;
+        match best {
+            Some(best) if best.residual <= ACCEPTANCE => {
+                Ok(best.into_solution(problem, form, iterations, pivots))
+            }
+            best => {
+                let residual = best.map_or(f64::INFINITY, |best| best.residual);
+                Err(LcpError::NotConverged { iterations, residual })
+            }
+        }
+    }
+
+    fn keep(&mut self, candidate: Candidate) {
+        if self.best.as_ref().is_none_or(|best| candidate.residual < best.residual) {
+            self.best = Some(candidate);
+        }
+    }
+
+    fn active_set(&self) -> ActiveSet<'a> {
+        ActiveSet { problem: self.problem, form: self.form, max_flips: self.max_flips }
+    }
+}
+
 /// z with its residual.
 #[derive(Clone, Debug)]
-pub(crate) struct Candidate {
-    pub(crate) z: DVector<f64>,
-    pub(crate) residual: f64,
+struct Candidate {
+    z: DVector<f64>,
+    residual: f64,
 }
 
 impl Candidate {
     /// As it is, negative complementary unknowns set to zero.
-    pub(crate) fn plain(problem: &RawLcp, mut z: DVector<f64>) -> Self {
+    fn plain(problem: &RawLcp, mut z: DVector<f64>) -> Self {
         z.iter_mut().skip(problem.free).for_each(|z| *z = z.max(0.0));
         let residual = problem.residual(&z);
         Self { z, residual }
     }
 
-    pub(crate) fn into_solution(
+    fn into_solution(
         self,
         problem: &RawLcp,
         form: &BoxForm,
@@ -44,7 +124,7 @@ impl Candidate {
             *i < problem.free || (y > WEAK && y > u)
         };
         let active: Vec<usize> = (0..z.len()).filter(is_active).collect();
-        let size = form.unscale[0].abs().max(f64::MIN_POSITIVE);
+        let size = form.unscale.first().map_or(1.0, |unscale| unscale.abs());
         let weak = (problem.free..z.len())
             .filter(|&i| {
                 let (y, u) = scaled(i);
@@ -57,15 +137,15 @@ impl Candidate {
 }
 
 /// Primal-dual active-set loop on the scaled problem.
-pub(crate) struct ActiveSet<'a> {
-    pub(crate) problem: &'a RawLcp,
-    pub(crate) form: &'a BoxForm,
-    pub(crate) max_flips: u32,
+struct ActiveSet<'a> {
+    problem: &'a RawLcp,
+    form: &'a BoxForm,
+    max_flips: u32,
 }
 
 impl ActiveSet<'_> {
     /// Best candidate on the way from `active`; dependent unknowns stay near `start`.
-    pub(crate) fn run(&self, mut active: Vec<bool>, start: &[f64], target: f64) -> Candidate {
+    fn run(&self, mut active: Vec<bool>, start: &[f64], target: f64) -> Candidate {
         let mut seen: Vec<Vec<bool>> = Vec::new();
         let mut single = false;
         let mut best: Option<Candidate> = None;

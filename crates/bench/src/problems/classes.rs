@@ -1,111 +1,17 @@
-//! Hard one-step problems, from seeds: no geometry, only bodies, contact points and normals.
+//! The classes of hard problems.
 
-use nalgebra::{Vector2, Vector3};
-use tangency_lcp::{Law, Lcp, NO_BODY, Row};
+use nalgebra::Vector2;
+use tangency_core::lcp::{Lcp, NO_BODY};
 
-/// SplitMix64 (Steele, Lea & Flood 2014): the same numbers on every machine.
-pub(crate) struct Random(pub(crate) u64);
-
-impl Random {
-    pub(crate) fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(crate) fn index(&mut self, count: usize) -> usize {
-        usize::try_from(self.bits() % count as u64).expect("an index")
-    }
-
-    pub(crate) fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
-        choices[self.index(choices.len())]
-    }
-
-    fn direction(&mut self) -> Vector2<f64> {
-        let angle = self.between(0.0, std::f64::consts::TAU);
-        Vector2::new(angle.cos(), angle.sin())
-    }
-}
-
-/// Time step and weight of every scene here.
-pub(crate) const DT: f64 = 0.01;
-const GRAVITY: f64 = 9.81;
-
-/// A problem under construction: bodies with places, then rows.
-#[derive(Default)]
-pub(crate) struct Builder {
-    pub(crate) lcp: Lcp,
-    centres: Vec<Vector2<f64>>,
-}
-
-impl Builder {
-    /// A body with velocity v⁻; gravity is added.
-    pub(crate) fn body(&mut self, centre: [f64; 2], mass: [f64; 2], velocity: [f64; 3]) -> u32 {
-        let M = Vector3::new(mass[0], mass[0], mass[1]);
-        let p = M.component_mul(&Vector3::from(velocity))
-            - Vector3::new(0.0, DT * GRAVITY * mass[0], 0.0);
-        self.lcp.mass.push(M);
-        self.lcp.momentum.push(p);
-        self.centres.push(Vector2::from(centre));
-        u32::try_from(self.centres.len() - 1).expect("few bodies")
-    }
-
-    fn row(&mut self, bodies: [u32; 2], at: Vector2<f64>, along: Vector2<f64>, rhs: f64, law: Law) {
-        let block = |body: u32, sign: f64| match self.centres.get(body as usize) {
-            Some(centre) if body != NO_BODY => {
-                let r = at - centre;
-                sign * Vector3::new(along.x, along.y, along.y * r.x - along.x * r.y)
-            }
-            _ => Vector3::zeros(),
-        };
-        let jacobian = [block(bodies[0], -1.0), block(bodies[1], 1.0)];
-        self.lcp.rows.push(Row { bodies, jacobian, rhs, compliance: 0.0, law });
-    }
-
-    /// A contact at a point, normal from a to b.
-    pub(crate) fn contact(
-        &mut self,
-        bodies: [u32; 2],
-        at: [f64; 2],
-        normal: Vector2<f64>,
-        gap: f64,
-        mu: f64,
-    ) {
-        let at = Vector2::from(at);
-        let index = u32::try_from(self.lcp.rows.len()).expect("few rows");
-        self.row(bodies, at, normal, -gap / DT, Law::Unilateral);
-        if mu > 0.0 {
-            let tangent = Vector2::new(-normal.y, normal.x);
-            self.row(bodies, at, tangent, 0.0, Law::Friction { normal: index, mu });
-        }
-    }
-
-    /// A hinge at a point.
-    pub(crate) fn hinge(&mut self, bodies: [u32; 2], at: [f64; 2]) {
-        self.row(bodies, Vector2::from(at), Vector2::x(), 0.0, Law::Equality);
-        self.row(bodies, Vector2::from(at), Vector2::y(), 0.0, Law::Equality);
-    }
-
-    /// A motor on the relative angular velocity.
-    pub(crate) fn motor(&mut self, bodies: [u32; 2], speed: f64, max: f64) {
-        let jacobian = [-Vector3::z(), Vector3::z()];
-        let law = Law::Bounded { max };
-        self.lcp.rows.push(Row { bodies, jacobian, rhs: speed, compliance: 0.0, law });
-    }
-}
+use super::{Builder, Random};
 
 fn box_inertia(mass: f64) -> [f64; 2] {
     [mass, mass / 6.0]
 }
 
 /// Unit boxes one on the other, `contacts` points per interface, masses growing by `ratio` in all.
-pub(crate) fn stack(random: &mut Random, ratio: f64) -> Lcp {
+#[must_use]
+pub fn stack(random: &mut Random, ratio: f64) -> Lcp {
     let boxes = random.index(19) + 2;
     let contacts = random.index(3) + 2;
     let mu = random.pick(&[0.1, 0.5, 1.0, 3.0]);
@@ -125,7 +31,8 @@ pub(crate) fn stack(random: &mut Random, ratio: f64) -> Lcp {
 }
 
 /// A brick wall with contacts at the sides.
-pub(crate) fn wall(random: &mut Random) -> Lcp {
+#[must_use]
+pub fn wall(random: &mut Random) -> Lcp {
     let (columns, layers) = (random.index(4) + 2, random.index(4) + 2);
     let mu = random.pick(&[0.2, 0.6, 1.0]);
     let push = random.pick(&[0.0, 0.5, 2.0]);
@@ -164,7 +71,8 @@ fn wall_contacts(b: &mut Builder, body: u32, [x, y]: [f64; 2], columns: usize, m
 }
 
 /// A disc or box between two planes at an angle, driven into the corner.
-pub(crate) fn wedge(random: &mut Random) -> Lcp {
+#[must_use]
+pub fn wedge(random: &mut Random) -> Lcp {
     let half = random.between(0.05, 1.3);
     let mu = random.between(0.0, 3.0);
     let mut b = Builder::default();
@@ -183,8 +91,40 @@ pub(crate) fn wedge(random: &mut Random) -> Lcp {
     b.lcp
 }
 
+/// Wedge-shaped stones around a half circle, two contacts per joint, standing on the ground.
+#[must_use]
+pub fn arch(random: &mut Random) -> Lcp {
+    let stones = random.index(13) + 3;
+    let (mu, thickness) = (random.pick(&[0.2, 0.5, 1.0, 3.0]), random.between(0.1, 0.6));
+    let noise = random.pick(&[0.0, 0.0, 0.1]);
+    let angle = |joint: usize| std::f64::consts::PI * joint as f64 / stones as f64;
+    let mut b = Builder::default();
+    for k in 0..stones {
+        let middle = 0.5 * (angle(k) + angle(k + 1));
+        let velocity = [(); 3].map(|()| noise * random.between(-1.0, 1.0));
+        let mass = thickness / stones as f64;
+        b.body([middle.cos(), middle.sin()], [mass, 0.1 * mass], velocity);
+    }
+    for joint in 0..=stones {
+        let (sin, cos) = angle(joint).sin_cos();
+        let a = if joint == 0 { NO_BODY } else { index(joint - 1) };
+        let c = if joint == stones { NO_BODY } else { index(joint) };
+        for radius in [1.0 - 0.5 * thickness, 1.0 + 0.5 * thickness] {
+            // The normal points from a to c, along the arch.
+            let normal = Vector2::new(-sin, cos);
+            if c == NO_BODY {
+                b.contact([c, a], [radius * cos, radius * sin], -normal, 0.0, mu);
+            } else {
+                b.contact([a, c], [radius * cos, radius * sin], normal, 0.0, mu);
+            }
+        }
+    }
+    b.lcp
+}
+
 /// Rods that touch the floor with one end: Painlevé's problem, one to four of them hinged.
-pub(crate) fn rods(random: &mut Random) -> Lcp {
+#[must_use]
+pub fn rods(random: &mut Random) -> Lcp {
     let mu = random.between(0.0, 3.0);
     let mut b = Builder::default();
     for k in 0..=random.index(4) {
@@ -203,7 +143,8 @@ pub(crate) fn rods(random: &mut Random) -> Lcp {
 }
 
 /// Bodies, contacts and hinges at random.
-pub(crate) fn graph(random: &mut Random) -> Lcp {
+#[must_use]
+pub fn graph(random: &mut Random) -> Lcp {
     let bodies = random.index(28) + 3;
     let mut b = Builder::default();
     for _ in 0..bodies {
@@ -244,7 +185,8 @@ fn index(value: usize) -> u32 {
 }
 
 /// A closed chain with every hinge entered twice, lying on the floor.
-pub(crate) fn doubled_chain(random: &mut Random) -> Lcp {
+#[must_use]
+pub fn doubled_chain(random: &mut Random) -> Lcp {
     let links = random.index(10) + 3;
     let radius = links as f64 / std::f64::consts::TAU;
     let mu = random.between(0.1, 1.0);
@@ -270,7 +212,8 @@ pub(crate) fn doubled_chain(random: &mut Random) -> Lcp {
 }
 
 /// Discs on a triangular grid with tiny gaps and penetrations: many grazing contacts.
-pub(crate) fn pile(random: &mut Random) -> Lcp {
+#[must_use]
+pub fn pile(random: &mut Random) -> Lcp {
     let base = random.index(5) + 2;
     let mu = random.pick(&[0.0, 0.3, 0.7, 1.2]);
     let noise = random.pick(&[0.0, 1e-9, 1e-6, 1e-3]);
@@ -304,16 +247,17 @@ fn pile_contacts(b: &mut Builder, random: &mut Random, body: u32, mu: f64, noise
 }
 
 /// Makes one problem.
-pub(crate) type Class = fn(&mut Random) -> Lcp;
+pub type Class = fn(&mut Random) -> Lcp;
 
 /// Every class by name.
-pub(crate) const CLASSES: [(&str, Class); 9] = [
+pub const CLASSES: [(&str, Class); 10] = [
     ("stack", |random| stack(random, 1.0)),
     ("mass ratio", |random| {
         let ratio = random.pick(&[1e-6, 1e-4, 1e-2, 1e2, 1e4, 1e6]);
         stack(random, ratio)
     }),
     ("wall", wall),
+    ("arch", arch),
     ("wedge", wedge),
     ("rods", rods),
     ("graph", graph),

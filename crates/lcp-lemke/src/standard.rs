@@ -15,10 +15,9 @@
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
 use nalgebra::{DMatrix, DVector};
-use tangency_lcp::pseudo_inverse;
+use tangency_lcp::{BoxForm, BoxLaw, pseudo_inverse};
 
-use crate::box_form::{BoxForm, BoxLaw};
-use crate::lemke::{Outcome, lemke};
+use crate::tableau::{Outcome, lemke};
 
 /// Singular values of W_EE below this count as zero.
 const DEPENDENT: f64 = 1e-9;
@@ -28,7 +27,7 @@ const MOST_PAIRS: usize = 400;
 const ATTEMPTS: u64 = 8;
 
 /// Candidates y from Lemke's method, one per attempt that ended in a solution.
-pub(crate) fn candidates(form: &BoxForm) -> impl Iterator<Item = (Vec<f64>, u32)> {
+pub fn candidates(form: &BoxForm) -> impl Iterator<Item = (Vec<f64>, u32)> {
     let standard = (form.pairs() <= MOST_PAIRS).then(|| Standard::new(form)).flatten();
     (0..ATTEMPTS).filter_map(move |attempt| standard.as_ref()?.attempt(attempt))
 }
@@ -146,7 +145,7 @@ fn pairs(
 }
 
 /// A fixed irregular number in [0, 1); 0 for the first attempt.
-pub(crate) fn covering(attempt: u64, index: usize) -> f64 {
+fn covering(attempt: u64, index: usize) -> f64 {
     let golden = 0.618_033_988_749_894_9;
     (attempt as f64 * (index as f64 + 1.0) * golden).fract()
 }

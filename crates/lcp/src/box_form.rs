@@ -1,4 +1,5 @@
-//! The problem as the interior point sees it: one signed unknown per row, and bounds.
+//! The problem without its velocities: one signed unknown per row, and bounds. What interior point
+//! and pivoting work on, for rows of a mechanical problem and for raw ones.
 //!
 //! ```text
 //!  u = W y + q
@@ -8,40 +9,61 @@
 //!  box         u = w⁻ − w⁺,    s± = h ∓ y,    0 ≤ s± ⟂ w± ≥ 0,    h constant or μ y_n
 //! ```
 
-use tangency_lcp::{BandMatrix, Delassus, Law, Lcp, Metric};
+use crate::{BandMatrix, Delassus, Law, Lcp, Metric};
 
 /// The law of one unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum BoxLaw {
+pub enum BoxLaw {
     /// u = 0.
     Free,
     /// 0 ≤ y ⟂ u ≥ 0.
     Positive,
     /// |y| ≤ max.
-    Bounded { max: f64 },
+    Bounded {
+        /// Bound, positive.
+        max: f64,
+    },
     /// |y| ≤ μ y_n.
-    Friction { normal: usize, mu: f64 },
+    Friction {
+        /// Slot n of the normal unknown.
+        normal: usize,
+        /// μ, positive.
+        mu: f64,
+    },
+}
+
+impl BoxLaw {
+    /// Number of complementary pairs.
+    #[must_use]
+    pub fn pairs(self) -> usize {
+        match self {
+            Self::Free => 0,
+            Self::Positive => 1,
+            Self::Bounded { .. } | Self::Friction { .. } => 2,
+        }
+    }
 }
 
 /// Matrix, right-hand side and laws, scaled to numbers around one.
 #[derive(Clone, Debug)]
-pub(crate) struct BoxForm {
+pub struct BoxForm {
     /// W, with room for the couplings of friction and normal.
-    pub(crate) matrix: BandMatrix,
+    pub matrix: BandMatrix,
     /// q.
-    pub(crate) q: Vec<f64>,
+    pub q: Vec<f64>,
     /// Laws.
-    pub(crate) laws: Vec<BoxLaw>,
+    pub laws: Vec<BoxLaw>,
     /// Unknown `i` times `unscale[i]` is the impulse of row `rows[i]`.
-    pub(crate) unscale: Vec<f64>,
+    pub unscale: Vec<f64>,
     /// Row of the problem per unknown.
-    pub(crate) rows: Vec<u32>,
+    pub rows: Vec<u32>,
 }
 
 impl BoxForm {
     /// Row i of the mixed problem, scaled: y = λ √Wᵢᵢ / s, u = u / (√Wᵢᵢ s), with s the largest
     /// |qᵢ| / √Wᵢᵢ.
-    pub(crate) fn of_rows(problem: &Lcp, metric: &Metric) -> Self {
+    #[must_use]
+    pub fn of_rows(problem: &Lcp, metric: &Metric) -> Self {
         let Delassus { rows, matrix } = Delassus::new(problem, metric);
         let free = problem.free_velocities();
         let mut q: Vec<f64> = Vec::with_capacity(rows.len());
@@ -75,12 +97,20 @@ impl BoxForm {
     }
 
     /// Number of unknowns.
-    pub(crate) fn len(&self) -> usize {
+    #[must_use]
+    pub fn len(&self) -> usize {
         self.q.len()
     }
 
+    /// Whether there are no unknowns.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.q.is_empty()
+    }
+
     /// Impulses per row of the problem.
-    pub(crate) fn impulses(&self, y: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn impulses(&self, y: &[f64]) -> Vec<f64> {
         let mut impulses = vec![0.0; y.len()];
         for ((&row, unscale), y) in self.rows.iter().zip(&self.unscale).zip(y) {
             impulses[row as usize] = unscale * y;
@@ -89,14 +119,16 @@ impl BoxForm {
     }
 
     /// u = W y + q.
-    pub(crate) fn remainders(&self, y: &[f64]) -> Vec<f64> {
+    #[must_use]
+    pub fn remainders(&self, y: &[f64]) -> Vec<f64> {
         let mut u = self.matrix.times(y);
         u.iter_mut().zip(&self.q).for_each(|(u, q)| *u += q);
         u
     }
 
     /// Bound of a box unknown.
-    pub(crate) fn bound(&self, slot: usize, y: &[f64]) -> f64 {
+    #[must_use]
+    pub fn bound(&self, slot: usize, y: &[f64]) -> f64 {
         match self.laws[slot] {
             BoxLaw::Bounded { max } => max,
             BoxLaw::Friction { normal, mu } => mu * y[normal],
@@ -105,7 +137,8 @@ impl BoxForm {
     }
 
     /// Natural residual at y, in the scaled units.
-    pub(crate) fn residual(&self, y: &[f64], u: &[f64]) -> f64 {
+    #[must_use]
+    pub fn residual(&self, y: &[f64], u: &[f64]) -> f64 {
         let mut worst = 0.0_f64;
         for slot in 0..self.len() {
             let (y_i, u_i) = (y[slot], u[slot]);
@@ -125,17 +158,20 @@ impl BoxForm {
 
 impl BoxForm {
     /// Slots whose law is of a kind, in order.
-    pub(crate) fn slots(&self, kind: impl Fn(BoxLaw) -> bool) -> Vec<usize> {
+    #[must_use]
+    pub fn slots(&self, kind: impl Fn(BoxLaw) -> bool) -> Vec<usize> {
         (0..self.len()).filter(|&slot| kind(self.laws[slot])).collect()
     }
 
     /// Entry of W, zero outside the band.
-    pub(crate) fn entry(&self, i: usize, j: usize) -> f64 {
+    #[must_use]
+    pub fn entry(&self, i: usize, j: usize) -> f64 {
         if self.matrix.columns(i).contains(&j) { self.matrix.get(i, j) } else { 0.0 }
     }
 
     /// Number of complementary pairs.
-    pub(crate) fn pairs(&self) -> usize {
-        self.laws.iter().map(|&law| crate::newton::pair_count(law)).sum()
+    #[must_use]
+    pub fn pairs(&self) -> usize {
+        self.laws.iter().map(|&law| law.pairs()).sum()
     }
 }

@@ -1,0 +1,159 @@
+//! Planar friction problems given by their local matrix.
+//!
+//! ```text
+//!  u = W r + q       per contact (n, t):  0 ≤ uₙ ⟂ rₙ ≥ 0,   |r_t| ≤ μ rₙ,   uₜ ≷ 0 ⇒ r_t = ∓ μ rₙ
+//! ```
+//!
+//! As a linear complementarity problem (Pfeiffer & Glocker 1996), with a = r_t + μ rₙ the distance
+//! from one side of the cone, b = μ rₙ − r_t from the other, and uₜ = uₜ⁺ − uₜ⁻:
+//!
+//! ```text
+//!  0 ≤ rₙ ⟂ uₙ ≥ 0      0 ≤ a ⟂ uₜ + uₜ⁻ ≥ 0      0 ≤ uₜ⁻ ⟂ 2 μ rₙ − a ≥ 0
+//! ```
+
+#![expect(non_snake_case, reason = "matrices carry their names from the literature")]
+
+use nalgebra::{DMatrix, DVector};
+
+use super::RawLcp;
+use crate::LcpError;
+
+/// The problem: k contacts, normal and tangent interleaved.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RawFriction {
+    /// W, 2k × 2k.
+    pub matrix: DMatrix<f64>,
+    /// q, 2k.
+    pub q: DVector<f64>,
+    /// μ per contact, k; not negative.
+    pub mu: Vec<f64>,
+}
+
+/// Where the unknowns of one contact stand in the raw problem.
+#[derive(Clone, Copy)]
+struct Place {
+    contact: usize,
+    /// Index of rₙ; a and uₜ⁻ follow if there is friction.
+    first: usize,
+}
+
+impl RawFriction {
+    /// Checks sizes, signs and finiteness.
+    ///
+    /// # Errors
+    /// The first offence, with the entry.
+    pub fn validate(&self) -> Result<(), LcpError> {
+        let expected = 2 * self.mu.len();
+        for (what, found) in [
+            ("q", self.q.len()),
+            ("matrix rows", self.matrix.nrows()),
+            ("matrix columns", self.matrix.ncols()),
+        ] {
+            if found != expected {
+                return Err(LcpError::DimensionMismatch { what, expected, found });
+            }
+        }
+        for (index, &value) in self.mu.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(LcpError::NotFinite { what: "mu", index });
+            }
+            if value < 0.0 {
+                return Err(LcpError::OutOfRange { what: "mu", index, value });
+            }
+        }
+        let raw = RawLcp { free: 0, matrix: self.matrix.clone(), q: self.q.clone() };
+        raw.validate()
+    }
+
+    /// The linear complementarity problem in (rₙ, a, uₜ⁻) per contact, rₙ alone where μ = 0.
+    #[must_use]
+    pub fn to_raw(&self) -> RawLcp {
+        let places: Vec<Place> = self.places().collect();
+        let n = self.size();
+        let (mut M, mut q) = (DMatrix::zeros(n, n), DVector::zeros(n));
+        // r = R z, then u = (W R) z + q.
+        let mut R = DMatrix::zeros(self.q.len(), n);
+        for &Place { contact, first } in &places {
+            R[(2 * contact, first)] = 1.0;
+            if self.mu[contact] > 0.0 {
+                R[(2 * contact + 1, first)] = -self.mu[contact];
+                R[(2 * contact + 1, first + 1)] = 1.0;
+            }
+        }
+        let along = &self.matrix * R;
+        for &Place { contact, first } in &places {
+            M.row_mut(first).copy_from(&along.row(2 * contact));
+            q[first] = self.q[2 * contact];
+            if self.mu[contact] > 0.0 {
+                M.row_mut(first + 1).copy_from(&along.row(2 * contact + 1));
+                q[first + 1] = self.q[2 * contact + 1];
+                M[(first + 1, first + 2)] = 1.0;
+                M[(first + 2, first)] = 2.0 * self.mu[contact];
+                M[(first + 2, first + 1)] = -1.0;
+            }
+        }
+        RawLcp { free: 0, matrix: M, q }
+    }
+
+    /// r from the unknowns of [`to_raw`](Self::to_raw), 2k.
+    #[must_use]
+    pub fn reactions(&self, z: &DVector<f64>) -> DVector<f64> {
+        let mut r = DVector::zeros(self.q.len());
+        for Place { contact, first } in self.places() {
+            r[2 * contact] = z[first];
+            if self.mu[contact] > 0.0 {
+                r[2 * contact + 1] = z[first + 1] - self.mu[contact] * z[first];
+            }
+        }
+        r
+    }
+
+    /// The unknowns of [`to_raw`](Self::to_raw) from r.
+    #[must_use]
+    pub fn unknowns(&self, r: &DVector<f64>) -> DVector<f64> {
+        let u = &self.matrix * r + &self.q;
+        let mut z = DVector::zeros(self.size());
+        for Place { contact, first } in self.places() {
+            let (n, t) = (r[2 * contact], r[2 * contact + 1]);
+            z[first] = n;
+            if self.mu[contact] > 0.0 {
+                z[first + 1] = t + self.mu[contact] * n;
+                z[first + 2] = (-u[2 * contact + 1]).max(0.0);
+            }
+        }
+        z
+    }
+
+    /// Natural residual of r in the units of [`Residual`](crate::Residual): √Wᵢᵢ weighs impulses,
+    /// 1/√Wᵢᵢ velocities, and the largest |qᵢ|/√Wᵢᵢ is one.
+    #[must_use]
+    pub fn residual(&self, r: &DVector<f64>) -> f64 {
+        let u = &self.matrix * r + &self.q;
+        let root: Vec<f64> = self.matrix.diagonal().iter().map(|w| w.abs().sqrt()).collect();
+        let scale = (0..r.len()).fold(0.0_f64, |scale, i| scale.max(self.q[i].abs() / root[i]));
+        let scaled = |i: usize| (r[i] * root[i], u[i] / root[i]);
+        let mut worst = 0.0_f64;
+        for (contact, mu) in self.mu.iter().enumerate() {
+            let (n, t) = (2 * contact, 2 * contact + 1);
+            let (y, w) = scaled(n);
+            let (yt, wt) = scaled(t);
+            let bound = mu * r[n].max(0.0) * root[t];
+            for defect in [y.min(w), yt - (yt - wt).max(-bound).min(bound)] {
+                worst = if defect.is_finite() { worst.max(defect.abs()) } else { f64::INFINITY };
+            }
+        }
+        if worst == 0.0 { 0.0 } else { worst / scale }
+    }
+
+    fn size(&self) -> usize {
+        self.mu.iter().map(|&mu| if mu > 0.0 { 3 } else { 1 }).sum()
+    }
+
+    fn places(&self) -> impl Iterator<Item = Place> + '_ {
+        self.mu.iter().enumerate().scan(0, |next, (contact, &mu)| {
+            let first = *next;
+            *next += if mu > 0.0 { 3 } else { 1 };
+            Some(Place { contact, first })
+        })
+    }
+}
