@@ -1,7 +1,7 @@
 //! Where does a ball land, and how does that depend on how it was thrown?
 //!
-//! Prints the derivative of the place after half a second of flight, a bounce off a wall and a
-//! slide over the floor with respect to launch velocity, gravity and friction, beside central
+//! Prints where it is after a flight, a bounce off a wall and bounces on the floor, and the
+//! derivative of that by launch velocity, gravity, friction and restitution, beside central
 //! differences of the same.
 
 #![expect(clippy::print_stdout, reason = "an example prints what it found")]
@@ -48,10 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let parameter = Parameter::parse(&scene, name)?;
         let place = |value: f64| {
             let mut scene = scene.clone();
-            let run = parameter
-                .set(&mut scene, value)
-                .ok()
-                .and_then(|()| simulate(&scene, solver.as_ref(), STEPS).ok());
+            parameter.set(&mut scene, value).expect("values near the scene's own are valid");
+            let run = simulate(&scene, solver.as_ref(), STEPS);
             run.map_or(f64::NAN, |run| run.last().q[2].x)
         };
         let difference = derivative(place, parameter.value(&scene), 1e-5).value;

@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         mass.set(&mut scene, guess)?;
         let run = simulate(&scene, solver.as_ref(), STEPS)?;
         let error = |state: &State| [0, 1].map(|body| state.q[body] - seen.q[body]);
-        let loss: f64 = error(run.last()).iter().map(|e| e.norm_squared()).sum();
+        let loss = error(run.last()).map(|e| e.norm_squared()).iter().sum::<f64>();
         let found = gradient(&scene, &run, |k, state| {
             (k == STEPS).then(|| StateVector {
                 q: error(state).map(|e| 2.0 * e).into(),

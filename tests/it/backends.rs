@@ -7,7 +7,7 @@ use tangency::{Scene, inspect, load_scene};
 use crate::engine::{backends, run, steps};
 
 /// The scenes of the folder `scenes`, in the order of their names.
-fn shipped() -> Vec<(PathBuf, Scene)> {
+pub(crate) fn shipped() -> Vec<(PathBuf, Scene)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes");
     let entries = std::fs::read_dir(folder).expect("the folder `scenes`");
     let mut files: Vec<PathBuf> = entries.map(|entry| entry.expect("an entry").path()).collect();

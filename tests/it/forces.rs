@@ -96,9 +96,8 @@ fn joint_force_control_acts_on_both_bodies() {
         let momentum = scene.total_momentum(&end);
         near("an inner torque keeps momentum", momentum.amax(), 0.0, 1e-15);
         assert!(end.v[1].z > 0.0 && end.v[0].z < 0.0, "b turns against a");
-        // Lagrange: (I_b + μ/4)(θ̈_b) etc. with a shared pin; reduced masses done by hand.
-        let (ia, ib, h) = (1.0 / 12.0, 2.0 / 12.0, 0.5);
-        let reduced = 2.0 / 3.0; // m_a m_b/(m_a + m_b); pin: v_b − v_a = −h (ω_a + ω_b)... along y
+        // The pin's reaction is along y: v_b − v_a = (ω_a + ω_b) h, reduced mass m_a m_b/(m_a + m_b).
+        let (ia, ib, h, reduced) = (1.0 / 12.0, 2.0 / 12.0, 0.5, 2.0 / 3.0);
         let (a11, a22, a12) = (ia + reduced * h * h, ib + reduced * h * h, reduced * h * h);
         let det = a11 * a22 - a12 * a12;
         let torque = 0.3 * 0.01;

@@ -5,9 +5,9 @@
 //! extrapolated central difference. The differences must stay on one side of every switch: the
 //! modes of all active rows are the same at every point that they visit.
 
-mod battery;
-mod loss;
-mod numbers;
+pub(crate) mod battery;
+pub(crate) mod loss;
+pub(crate) mod numbers;
 mod signature;
 
 use nalgebra::Vector3;

@@ -12,6 +12,7 @@ mod engine;
 mod slope;
 
 mod backends;
+mod conformance;
 mod conservation;
 mod determinism;
 mod forces;

@@ -3,7 +3,8 @@
 //! also turns its body or shares it with another.
 //!
 //! Here a box slides tilted on one corner, and a second one slides against both floor and box, so
-//! that S is visibly asymmetric; the tests below fail on that mistake (tried: it is off by 30 %).
+//! that S is visibly asymmetric. Both tests fail on that mistake (tried), as do those of V05, V07,
+//! V22 and V35 and the differences of `gradients`.
 
 use nalgebra::Vector3;
 use tangency::diff::lcp::{LcpVector, lcp_jvp, lcp_vjp};

@@ -13,6 +13,7 @@ use tangency_core::lcp::{Law, Lcp, NO_BODY, Row};
 pub struct Random(pub u64);
 
 impl Random {
+    /// 64 bits.
     pub fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -21,14 +22,17 @@ impl Random {
         z ^ (z >> 31)
     }
 
+    /// A number from `low` to `high`, uniformly.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
+    /// An index below `count`.
     pub fn index(&mut self, count: usize) -> usize {
         usize::try_from(self.bits() % count as u64).expect("an index")
     }
 
+    /// One of the choices.
     pub fn pick<T: Copy>(&mut self, choices: &[T]) -> T {
         choices[self.index(choices.len())]
     }
@@ -46,6 +50,7 @@ const GRAVITY: f64 = 9.81;
 /// A problem under construction: bodies with places, then rows.
 #[derive(Default)]
 pub struct Builder {
+    /// The problem so far.
     pub lcp: Lcp,
     pub(crate) centres: Vec<Vector2<f64>>,
 }

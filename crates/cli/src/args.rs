@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{Console, Failure, experiment, fit, gradient, inspect, simulate};
+use crate::{Console, Failure, experiment, fit, gradient, inspect, lcp, simulate};
 
 /// Differentiable planar physics from the shell.
 #[derive(Debug, Parser)]
@@ -32,6 +32,8 @@ pub enum Command {
     Gradient(gradient::Arguments),
     /// Learn parameters of a scene from an observed motion
     Fit(fit::Arguments),
+    /// Solve a linear complementarity or planar friction problem from a file
+    Lcp(lcp::Arguments),
     /// The paper's experiments and ours, with figures and tables under out/
     #[command(subcommand)]
     Experiment(experiment::Experiment),
@@ -48,6 +50,7 @@ impl Command {
             Self::Inspect(arguments) => inspect::run(arguments, console),
             Self::Gradient(arguments) => gradient::run(arguments, console),
             Self::Fit(arguments) => fit::run(arguments, console),
+            Self::Lcp(arguments) => lcp::run(arguments, console),
             Self::Experiment(experiment) => experiment.run(console),
         }
     }

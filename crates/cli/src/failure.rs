@@ -8,6 +8,7 @@ use tangency::diff::{DiffError, ParameterError};
 use tangency::{SceneError, SceneFileError, StepError};
 
 use crate::formula::FormulaError;
+use crate::lcp::LcpFileError;
 
 /// Why a command did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -19,6 +20,15 @@ pub enum Failure {
     /// A scene changed by options is wrong.
     #[error("with these options the scene cannot be built: {0}")]
     Scene(#[from] SceneError),
+    /// The file of a complementarity problem is wrong.
+    #[error(transparent)]
+    LcpFile(#[from] LcpFileError),
+    /// No backend solved a problem.
+    #[error("{}: no backend of this build solved it", file.display())]
+    Unsolved {
+        /// The problem's file.
+        file: PathBuf,
+    },
     /// A solver that this build does not have.
     #[error("unknown backend `{name}`; this build has: {known}")]
     UnknownBackend {
@@ -131,6 +141,7 @@ impl Failure {
         match self {
             Self::SceneFile(_)
             | Self::Scene(_)
+            | Self::LcpFile(_)
             | Self::UnknownBackend { .. }
             | Self::Input { .. }
             | Self::Read { .. }
@@ -141,6 +152,7 @@ impl Failure {
             | Self::Overlap { .. } => ExitCode::from(2),
             Self::Write { .. }
             | Self::Step { .. }
+            | Self::Unsolved { .. }
             | Self::State(_)
             | Self::Derivative(_)
             | Self::Check { .. }

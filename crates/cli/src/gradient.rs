@@ -221,22 +221,22 @@ impl Report {
             cells.extend(p.relative_error.map(|error| format!("{error:.1e}")));
             grid.row(cells);
         }
-        let mut text = format!(
-            "loss {} after {} steps ({:.6} s); rollout {:.1} ms, reverse pass {:.1} ms\n\n{grid}",
+        let one_sided = match &self.one_sided[..] {
+            [] => String::new(),
+            [first, ..] => format!(
+                "\n\nThe derivative is one-sided at {} place(s), the first: {first}",
+                self.one_sided.len()
+            ),
+        };
+        format!(
+            "loss {} after {} steps ({:.6} s); rollout {:.1} ms, reverse pass {:.1} ms\n\n\
+             {grid}{one_sided}",
             self.loss,
             self.steps,
             self.duration,
             1e3 * self.forward_seconds,
             1e3 * self.reverse_seconds,
-        );
-        if !self.one_sided.is_empty() {
-            text += &format!(
-                "\n\nThe derivative is one-sided at {} place(s), the first: {}",
-                self.one_sided.len(),
-                self.one_sided[0]
-            );
-        }
-        text
+        )
     }
 
     /// Fails unless every difference confirms its gradient.

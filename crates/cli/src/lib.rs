@@ -1,8 +1,14 @@
-//! The `tangency` command: simulates and inspects planar scenes from the shell.
+//! The `tangency` command: simulates, inspects, differentiates and fits planar scenes.
 //!
 //! [`main`] parses the arguments and hands them to one file per subcommand. Those share four
 //! nouns: a [`Run`] is what was simulated, its [trajectory file](trajectory_file) and its
 //! [replay page](replay) are how it leaves the program, and a [`Failure`] is why it did not.
+//!
+//! What learns from motion ([`gradient`], [`fit`], [`experiment`]) shares four more: a [`Loss`] over a
+//! rollout, [observations](observations) that one is made of, the [objective] that a loss is as a
+//! function of parameters, and the [minimisers](optimise) of that.
+//!
+//! [`Loss`]: loss::Loss
 //!
 //! A new subcommand is a file with a `clap::Args` struct and its `run`, a variant of
 //! [`args::Command`] and a line in [`args::Command::run`].
@@ -12,6 +18,7 @@ pub mod experiment;
 pub mod fit;
 pub mod gradient;
 pub mod inspect;
+pub mod lcp;
 pub mod simulate;
 
 mod console;

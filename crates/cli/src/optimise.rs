@@ -164,23 +164,29 @@ struct ScaledLoss<'a> {
     chart: &'a Chart,
     scale: f64,
     /// The last point: argmin asks for value and gradient apart.
-    last: RefCell<Option<(Vec<f64>, f64, Vec<f64>)>>,
+    last: RefCell<Option<ScaledPoint>>,
+}
+
+/// Loss and gradient at a point, all scaled.
+#[derive(Clone)]
+struct ScaledPoint {
+    z: Vec<f64>,
+    loss: f64,
+    gradient: Vec<f64>,
 }
 
 impl ScaledLoss<'_> {
-    fn evaluate(&self, z: &[f64]) -> Result<(f64, Vec<f64>), argmin::core::Error> {
-        if let Some((at, loss, gradient)) = &*self.last.borrow()
-            && at == z
-        {
-            return Ok((*loss, gradient.clone()));
+    fn evaluate(&self, z: &[f64]) -> Result<ScaledPoint, argmin::core::Error> {
+        if let Some(last) = self.last.borrow().as_ref().filter(|last| last.z == z) {
+            return Ok(last.clone());
         }
         let values = self.chart.values(z);
         let here = self.objective.evaluate(&self.loss, &values)?;
         let slopes = here.gradient.iter().zip(self.chart.slopes(&values));
-        let gradient: Vec<f64> = slopes.map(|(g, s)| g * s / self.scale).collect();
-        let loss = here.loss / self.scale;
-        *self.last.borrow_mut() = Some((z.to_vec(), loss, gradient.clone()));
-        Ok((loss, gradient))
+        let gradient = slopes.map(|(g, s)| g * s / self.scale).collect();
+        let point = ScaledPoint { z: z.to_vec(), loss: here.loss / self.scale, gradient };
+        *self.last.borrow_mut() = Some(point.clone());
+        Ok(point)
     }
 }
 
@@ -189,7 +195,7 @@ impl CostFunction for ScaledLoss<'_> {
     type Output = f64;
 
     fn cost(&self, z: &Vec<f64>) -> Result<f64, argmin::core::Error> {
-        self.evaluate(z).map(|(loss, _)| loss)
+        self.evaluate(z).map(|point| point.loss)
     }
 }
 
@@ -198,14 +204,17 @@ impl Gradient for ScaledLoss<'_> {
     type Gradient = Vec<f64>;
 
     fn gradient(&self, z: &Vec<f64>) -> Result<Vec<f64>, argmin::core::Error> {
-        self.evaluate(z).map(|(_, gradient)| gradient)
+        self.evaluate(z).map(|point| point.gradient)
     }
 }
 
 type LbfgsState = IterState<Vec<f64>, Vec<f64>, (), (), (), f64>;
 
 /// Writes down the points that argmin accepts.
-struct Recorder(Arc<Mutex<Vec<(Vec<f64>, f64)>>>);
+struct Recorder(Visited);
+
+/// Coordinates and scaled losses.
+type Visited = Arc<Mutex<Vec<(Vec<f64>, f64)>>>;
 
 impl Observe<LbfgsState> for Recorder {
     fn observe_iter(&mut self, state: &LbfgsState, _: &KV) -> Result<(), argmin::core::Error> {
@@ -241,7 +250,7 @@ fn lbfgs(
         .with_tolerance_grad(SMALLEST_SLOPE)
         .and_then(|solver| solver.with_tolerance_cost(SMALLEST_DECREASE))
         .expect("the tolerances are positive");
-    let points = Arc::new(Mutex::new(Vec::new()));
+    let points = Visited::default();
     let z = chart.coordinates(start);
     let iterations = settings.iterations as u64;
     let ended = Executor::new(problem, solver)

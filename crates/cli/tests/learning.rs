@@ -103,7 +103,7 @@ fn gradient_agrees_with_differences() {
             "--json",
         ],
     ));
-    assert_eq!(number(&report["steps"]), 500.0);
+    assert_eq!(report["steps"], 500);
     let parameters = report["parameters"].as_array().expect("a list");
     assert_eq!(parameters.len(), 6);
     for parameter in parameters {
@@ -159,8 +159,8 @@ fn every_method_finds_the_mass() {
                 "--observed=seen/trajectory.csv",
                 "--learn=mass:box",
                 "--start=1",
-                "--rate=5",
-                "--clip=0.08",
+                "--rate=20",
+                "--clip=0.02",
                 &method_argument,
                 &out,
             ],
@@ -218,8 +218,10 @@ fn the_quick_experiment_writes_everything_and_meets_its_targets() {
     };
     let plain = masses(&results["plain"]);
     assert_eq!(plain.len(), 31);
-    assert_eq!(plain[..7], [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-    assert!(plain[7..].iter().all(|mass| *mass == 7.0));
+    for (update, mass) in plain.iter().enumerate() {
+        let walked = 1.0 + update.min(6) as f64;
+        assert!((mass - walked).abs() < 1e-12, "update {update}: {mass}");
+    }
     let better = results["better"].as_array().expect("a list");
     assert_eq!(better.len(), 8);
     for fit in better {

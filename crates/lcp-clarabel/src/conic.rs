@@ -124,6 +124,11 @@ impl Program {
         builder.finish(places, cone)
     }
 
+    /// Whether the program depends on s.
+    pub(crate) fn has_friction(&self) -> bool {
+        self.places.iter().any(|place| matches!(place, Place::Friction(..)))
+    }
+
     /// b with the frozen `s` (one number per row of the problem; read at friction rows).
     pub(crate) fn shifted(&self, s: &[f64]) -> Vec<f64> {
         let mut b = self.b.clone();

@@ -2,8 +2,8 @@
 
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver};
 use tangency_lcp::{
-    Guess, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Polish, Polished, Scratch, SolveStats,
-    solve_linear,
+    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Polish, Polished, Scratch,
+    SolveStats, solve_linear,
 };
 
 use crate::anderson::Anderson;
@@ -93,8 +93,25 @@ impl LcpSolver for Clarabel {
         if guess.is_some_and(|guess| search.warm(guess)) {
             return search.finish();
         }
-        search.fixed_point()
+        search.run()
     }
+}
+
+/// What is frozen in the convex programs.
+#[derive(Clone, Copy, Debug)]
+enum Iteration {
+    /// s = μ|u_t|, De Saxcé's.
+    Sliding { accelerated: bool },
+    /// h = μ λₙ, Tresca's.
+    Bounds,
+}
+
+/// How an iteration ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    Reached,
+    Stalled,
+    Infeasible,
 }
 
 /// One solve.
@@ -114,33 +131,108 @@ impl Search<'_> {
         self.offer(candidate)
     }
 
-    /// s ← μ|u_t|, one convex program and one polish each.
-    fn fixed_point(mut self) -> Result<LcpSolution, LcpError> {
+    /// The iterations in turn, each with its share of the programs.
+    fn run(mut self) -> Result<LcpSolution, LcpError> {
+        let share = self.settings.max_programs.div_ceil(4);
+        let accelerated = Iteration::Sliding { accelerated: true };
+        let damped = Iteration::Sliding { accelerated: false };
+        for (iteration, flips) in [(accelerated, 1), (Iteration::Bounds, 5), (damped, 5)] {
+            self.polish.max_flips = flips * self.settings.max_flips;
+            let end = match iteration {
+                Iteration::Sliding { accelerated } => self.sliding(accelerated, share)?,
+                Iteration::Bounds => self.bounds(2 * share)?,
+            };
+            match end {
+                End::Reached => break,
+                End::Infeasible => return self.infeasible(),
+                End::Stalled => {}
+            }
+        }
+        self.finish()
+    }
+
+    /// s ← μ|u_t|, one convex program and one polish each; damped if not accelerated.
+    fn sliding(&mut self, accelerated: bool, programs: u32) -> Result<End, LcpError> {
         let (problem, metric) = (self.polish.problem, self.polish.metric);
         let program = Program::new(problem, metric, self.settings.cone);
         let mut conic = self.conic(&program)?;
         let mut s = vec![0.0; problem.rows.len()];
         let mut anderson = Anderson::default();
-        for _ in 0..self.settings.max_programs {
+        for _ in 0..programs {
             // Updating b keeps Clarabel's ordering and equilibration.
             conic.update_b(&program.shifted(&s)).map_err(|e| refused(&e))?;
-            conic.solve();
-            self.stats.iterations += conic.solution.iterations;
-            match verdict(conic.solution.status) {
-                Verdict::Judge => {}
-                Verdict::Infeasible => return self.infeasible(),
-                Verdict::Failed if self.best.is_some() => break,
-                Verdict::Failed => return Err(stopped(&conic)),
+            let iterate = match self.iterate(&mut conic, &program)? {
+                Ok(iterate) => iterate,
+                Err(end) => return Ok(end),
+            };
+            if self.offer_approximate(&iterate) {
+                return Ok(End::Reached);
             }
-            let iterate = program.recover(problem, metric, &conic.solution.x, &conic.solution.z);
-            if let Some(candidate) = self.polish.approximate(&iterate)
-                && self.offer(candidate)
-            {
-                break;
+            let next = program.sliding(metric, &iterate);
+            if accelerated {
+                s = anderson.next(&s, &next);
+            } else {
+                s.iter_mut().zip(&next).for_each(|(s, next)| *s = 0.5 * (*s + next));
             }
-            s = anderson.next(&s, &program.sliding(metric, &iterate));
+            if !program.has_friction() {
+                break; // one program is all there is
+            }
         }
-        self.finish()
+        Ok(End::Stalled)
+    }
+
+    /// h ← μ λₙ: Tresca's friction with frozen bounds (Panagiotopoulos 1975), which fails elsewhere.
+    fn bounds(&mut self, programs: u32) -> Result<End, LcpError> {
+        let problem = self.polish.problem;
+        let mut impulses = match &self.best {
+            Some(best) => best.solution.impulses.clone(),
+            None => vec![0.0; problem.rows.len()],
+        };
+        let mut bounded = problem.clone();
+        for _ in 0..programs {
+            for (row, original) in bounded.rows.iter_mut().zip(&problem.rows) {
+                if let Law::Friction { normal, mu } = original.law {
+                    row.law = Law::Bounded { max: mu * impulses[normal as usize].max(0.0) };
+                }
+            }
+            let program = Program::new(&bounded, self.polish.metric, self.settings.cone);
+            let mut conic = self.conic(&program)?;
+            let iterate = match self.iterate(&mut conic, &program)? {
+                Ok(iterate) => iterate,
+                Err(end) => return Ok(end),
+            };
+            if self.offer_approximate(&iterate) {
+                return Ok(End::Reached);
+            }
+            for (old, new) in impulses.iter_mut().zip(&iterate.impulses) {
+                *old = 0.5 * (*old + new);
+            }
+        }
+        Ok(End::Stalled)
+    }
+
+    /// Solves one program; `Err` inside if its status ends the iteration.
+    fn iterate(
+        &mut self,
+        conic: &mut DefaultSolver<f64>,
+        program: &Program,
+    ) -> Result<Result<LcpSolution, End>, LcpError> {
+        conic.solve();
+        self.stats.iterations += conic.solution.iterations;
+        match verdict(conic.solution.status) {
+            Verdict::Judge => {
+                let (problem, metric) = (self.polish.problem, self.polish.metric);
+                let (x, z) = (&conic.solution.x, &conic.solution.z);
+                Ok(Ok(program.recover(problem, metric, x, z)))
+            }
+            Verdict::Infeasible => Ok(Err(End::Infeasible)),
+            Verdict::Failed if self.best.is_some() => Ok(Err(End::Stalled)),
+            Verdict::Failed => Err(stopped(conic)),
+        }
+    }
+
+    fn offer_approximate(&mut self, iterate: &LcpSolution) -> bool {
+        self.polish.approximate(iterate).is_some_and(|candidate| self.offer(candidate))
     }
 
     /// Takes a candidate into account; true if it is good enough to stop.

@@ -65,26 +65,27 @@ impl RawSolver for Clarabel {
         if raw.q.is_empty() {
             return Ok(RawSolution::empty());
         }
-        let local = Local::new(problem)?;
+        let weighted = problem.weighted();
+        let program = cone_program(&weighted)?;
         let form = raw.box_form();
         let mut polish = RawPolish::new(&raw, &form, self.tolerance, self.max_flips);
-        let mut conic = self.convex(&local.program())?;
+        let mut conic = self.convex(&program)?;
         let (mut s, mut anderson, mut iterations) =
             (vec![0.0; problem.mu.len()], Anderson::default(), 0);
         for _ in 0..self.max_programs {
-            conic.update_q(&local.shifted(&s)).map_err(|e| refused(&e))?;
+            conic.update_q(&shifted(&weighted, &s)).map_err(|e| refused(&e))?;
             conic.solve();
             iterations += conic.solution.iterations;
             if verdict(conic.solution.status) != Verdict::Judge {
                 break;
             }
-            let r = local.reactions(&conic.solution.x);
-            let z = problem.unknowns(&r);
+            let r = DVector::from_column_slice(&conic.solution.x);
+            let z = weighted.unknowns(&r);
             let y: Vec<f64> = z.iter().zip(&form.unscale).map(|(z, unscale)| z / unscale).collect();
             if polish.offer(&y) {
                 break;
             }
-            s = anderson.next(&s, &local.sliding(&r));
+            s = anderson.next(&s, &sliding(&weighted, &r));
         }
         polish.finish(iterations, 0)
     }
@@ -158,81 +159,40 @@ fn unbounded(conic: &DefaultSolver<f64>) -> bool {
     matches!(conic.solution.status, DualInfeasible | AlmostDualInfeasible)
 }
 
-/// A friction problem in the units of the residual: y = r √Wᵢᵢ / s*, u = u / (√Wᵢᵢ s*).
-struct Local<'a> {
-    problem: &'a RawFriction,
-    root: Vec<f64>,
-    scale: f64,
-    W: DMatrix<f64>,
-    q: Vec<f64>,
+/// min ½ rᵀW r + qᵀr over the cones |r_t| ≤ μ rₙ, for the part of W that is symmetric: whoever wrote
+/// it may have rounded.
+fn cone_program(weighted: &RawFriction) -> Result<Convex, LcpError> {
+    let n = weighted.q.len();
+    let W = 0.5 * (&weighted.matrix + weighted.matrix.transpose());
+    monotone(&W)?;
+    let mut A = DMatrix::zeros(n, n);
+    let mut cones = Vec::new();
+    for (contact, &mu) in weighted.mu.iter().enumerate() {
+        let (normal, tangent) = (2 * contact, 2 * contact + 1);
+        if mu > 0.0 {
+            for (row, sign) in [(normal, 1.0), (tangent, -1.0)] {
+                A[(row, normal)] = -mu;
+                A[(row, tangent)] = sign;
+            }
+            cones.push(SupportedConeT::NonnegativeConeT(2));
+        } else {
+            // Without friction the cone is a ray.
+            (A[(normal, normal)], A[(tangent, tangent)]) = (-1.0, 1.0);
+            cones.extend([SupportedConeT::NonnegativeConeT(1), SupportedConeT::ZeroConeT(1)]);
+        }
+    }
+    Ok(Convex { P: W, q: weighted.q.as_slice().to_vec(), A, b: vec![0.0; n], cones })
 }
 
-impl<'a> Local<'a> {
-    fn new(problem: &'a RawFriction) -> Result<Self, LcpError> {
-        let n = problem.q.len();
-        let positive = |w: f64| if w > 0.0 { w.sqrt() } else { 1.0 };
-        let root: Vec<f64> = problem.matrix.diagonal().iter().map(|&w| positive(w)).collect();
-        let scale = (0..n).fold(0.0_f64, |scale, i| scale.max((problem.q[i] / root[i]).abs()));
-        let scale = if scale > 0.0 { scale } else { 1.0 };
-        // Symmetric up to the rounding of whoever wrote it.
-        let half = |i: usize, j: usize| 0.5 * (problem.matrix[(i, j)] + problem.matrix[(j, i)]);
-        let W = DMatrix::from_fn(n, n, |i, j| half(i, j) / (root[i] * root[j]));
-        monotone(&W)?;
-        let q = (0..n).map(|i| problem.q[i] / (root[i] * scale)).collect();
-        Ok(Self { problem, root, scale, W, q })
-    }
+/// q + s eₙ.
+fn shifted(weighted: &RawFriction, s: &[f64]) -> Vec<f64> {
+    let mut q = weighted.q.as_slice().to_vec();
+    s.iter().enumerate().for_each(|(contact, s)| q[2 * contact] += s);
+    q
+}
 
-    /// μ̂ = μ √(W_tt/W_nn).
-    fn mu(&self, contact: usize) -> f64 {
-        self.problem.mu[contact] * self.root[2 * contact + 1] / self.root[2 * contact]
-    }
-
-    fn program(&self) -> Convex {
-        let n = self.q.len();
-        let mut A = DMatrix::zeros(n, n);
-        for contact in 0..n / 2 {
-            let (normal, tangent) = (2 * contact, 2 * contact + 1);
-            for (row, sign) in [(normal, 1.0), (tangent, -1.0)] {
-                A[(row, normal)] = -self.mu(contact);
-                A[(row, tangent)] = sign;
-                // Without friction the cone is a ray.
-                if self.problem.mu[contact] == 0.0 {
-                    A[(row, normal)] = if row == normal { -1.0 } else { 0.0 };
-                    A[(row, tangent)] = if row == normal { 0.0 } else { 1.0 };
-                }
-            }
-        }
-        let frictionless = |c: usize| self.problem.mu[c] == 0.0;
-        let cones = (0..n / 2)
-            .flat_map(|c| {
-                let second = if frictionless(c) {
-                    SupportedConeT::ZeroConeT(1)
-                } else {
-                    SupportedConeT::NonnegativeConeT(1)
-                };
-                [SupportedConeT::NonnegativeConeT(1), second]
-            })
-            .collect();
-        Convex { P: self.W.clone(), q: self.q.clone(), A, b: vec![0.0; n], cones }
-    }
-
-    fn shifted(&self, s: &[f64]) -> Vec<f64> {
-        let mut q = self.q.clone();
-        s.iter().enumerate().for_each(|(contact, s)| q[2 * contact] += s);
-        q
-    }
-
-    fn reactions(&self, y: &[f64]) -> DVector<f64> {
-        DVector::from_fn(y.len(), |i, _| y[i] * self.scale / self.root[i])
-    }
-
-    /// μ̂|ûₜ| per contact.
-    fn sliding(&self, r: &DVector<f64>) -> Vec<f64> {
-        let u = &self.problem.matrix * r + &self.problem.q;
-        let slip = |contact: usize| {
-            let tangent = 2 * contact + 1;
-            self.mu(contact) * (u[tangent] / (self.root[tangent] * self.scale)).abs()
-        };
-        (0..self.problem.mu.len()).map(slip).collect()
-    }
+/// μ|uₜ| per contact.
+fn sliding(weighted: &RawFriction, r: &DVector<f64>) -> Vec<f64> {
+    let u = &weighted.matrix * r + &weighted.q;
+    weighted.mu.iter().enumerate().map(|(contact, mu)| mu * u[2 * contact + 1].abs()).collect()
 }

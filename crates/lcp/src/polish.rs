@@ -76,12 +76,13 @@ impl Polish<'_> {
 
     /// Polishes an approximate solution, of which impulses and velocities are used. Modes are read
     /// with all closed contacts first, then with the doubtful ones released. Returns the best
-    /// candidate found if its residual is below that of the approximate solution.
+    /// candidate found if it reaches the target or its residual is below that of the approximate
+    /// solution.
     #[must_use]
     pub fn approximate(&self, approximate: &LcpSolution) -> Option<Polished> {
         let before = self.problem.residual_in(self.metric, approximate).max();
         let best = self.read(&approximate.impulses, &approximate.velocities, &RELEASES)?;
-        (best.max() < before).then_some(best)
+        (best.max() < before || self.reached(&best)).then_some(best)
     }
 
     /// The same without a comparison, for the release thresholds given.

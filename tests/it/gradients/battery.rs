@@ -8,10 +8,10 @@ use tangency_bench::scenes::{
 };
 
 /// A scene, how long it runs, and the numbers in which it sits on a switch.
-pub(super) struct Entry {
-    pub(super) def: SceneDef,
-    pub(super) steps: usize,
-    pub(super) except: Vec<Param>,
+pub(crate) struct Entry {
+    pub(crate) def: SceneDef,
+    pub(crate) steps: usize,
+    pub(crate) except: Vec<Param>,
 }
 
 fn entry(def: SceneDef, steps: usize) -> Entry {
@@ -26,7 +26,7 @@ fn two_sided(mut def: SceneDef) -> SceneDef {
     def
 }
 
-pub(super) fn battery() -> Vec<Entry> {
+pub(crate) fn battery() -> Vec<Entry> {
     vec![
         entry(pendulum(2.0), 60),
         entry(doubled_hinge(2.0, 1), 60),

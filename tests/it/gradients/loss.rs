@@ -5,7 +5,7 @@ use tangency::diff::StateVector;
 use tangency::{Rollout, State};
 
 /// The coefficients of state k.
-pub(super) fn coefficients(k: usize, state: &State) -> StateVector {
+pub(crate) fn coefficients(k: usize, state: &State) -> StateVector {
     let mut seed = StateVector::like(state);
     let wave = |i: usize, phase: f64| (3.1 * i as f64 + 0.37 * k as f64 + phase).sin();
     let vector = |i: usize, phase: f64| {
@@ -19,7 +19,7 @@ pub(super) fn coefficients(k: usize, state: &State) -> StateVector {
 }
 
 /// Σ coefficients · states.
-pub(super) fn loss(tape: &Rollout) -> f64 {
+pub(crate) fn loss(tape: &Rollout) -> f64 {
     let at = |(k, state): (usize, &State)| {
         let as_vector = StateVector { time: state.time, q: state.q.clone(), v: state.v.clone() };
         coefficients(k, state).dot(&as_vector)

@@ -3,7 +3,7 @@
 use tangency::{BodyKind, Param, Scene};
 
 /// Every number that the scene has and that lies inside its range.
-pub(super) fn numbers(scene: &Scene) -> Vec<Param> {
+pub(crate) fn numbers(scene: &Scene) -> Vec<Param> {
     let mut all = vec![Param::Gravity(0), Param::Gravity(1), Param::Dt];
     for (i, body) in scene.bodies().iter().enumerate() {
         all.extend([Param::Mass(i), Param::Density(i), Param::Inertia(i)]);
@@ -34,7 +34,7 @@ pub(super) fn numbers(scene: &Scene) -> Vec<Param> {
 }
 
 /// Controls that vary from step to step.
-pub(super) fn controls(channels: usize, steps: usize) -> Vec<Vec<f64>> {
+pub(crate) fn controls(channels: usize, steps: usize) -> Vec<Vec<f64>> {
     let at = |k: usize, channel: usize| 0.3 * (0.2 * k as f64 + channel as f64).sin();
     (0..steps).map(|k| (0..channels).map(|channel| at(k, channel)).collect()).collect()
 }

@@ -53,7 +53,7 @@ fn v05_stops_and_stays() {
             let first = (0..=tape.records.len()).find(stands).expect("it stops");
             near("V05 (b) time, C=2", first as f64 * dt, at, 2.0 * dt);
         }
-        order("V05 (b) stop", 0.7, |dt| travel(&slide(&*solver, 0.7, 3.0, dt, 0.5).1) - stop);
+        order("V05 (b) stop", 0.9, |dt| travel(&slide(&*solver, 0.7, 3.0, dt, 0.5).1) - stop);
         let (_, tape) = slide(&*solver, 0.7, 3.0, 1e-2, 100.5);
         let creep = (tape.last().q[BLOCK] - tape.state(50).q[BLOCK]).norm();
         near("V05 (b) creep over 100 s", creep, 0.0, 1e-9);

@@ -113,7 +113,7 @@ fn v15_b_conveyor() {
             let first = (0..=tape.records.len()).find(rides).expect("it rides along");
             near("V15 (b) time", first as f64 * dt, 0.509_683_995_922_528_03, 2.0 * dt);
         }
-        order("V15 (b) x(1)", 0.7, |dt| ride(dt).1.last().q[BLOCK].x - exact);
+        order("V15 (b) x(1)", 0.9, |dt| ride(dt).1.last().q[BLOCK].x - exact);
         let (scene, tape) = ride(1e-3);
         let seed = pick(&scene, |s| s.q[BLOCK].x = 1.0);
         let by_friction = slope(&scene, &tape, &seed, &friction());

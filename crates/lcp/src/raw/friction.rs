@@ -15,7 +15,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::RawLcp;
+use super::{RawLcp, RawSolution};
 use crate::LcpError;
 
 /// The problem: k contacts, normal and tangent interleaved.
@@ -27,6 +27,12 @@ pub struct RawFriction {
     pub q: DVector<f64>,
     /// μ per contact, k; not negative.
     pub mu: Vec<f64>,
+}
+
+/// √Wᵢᵢ per row, and the problem's scale.
+struct Units {
+    root: Vec<f64>,
+    scale: f64,
 }
 
 /// Where the unknowns of one contact stand in the raw problem.
@@ -65,9 +71,34 @@ impl RawFriction {
         raw.validate()
     }
 
-    /// The linear complementarity problem in (rₙ, a, uₜ⁻) per contact, rₙ alone where μ = 0.
+    /// The linear complementarity problem in (rₙ, a, uₜ⁻) per contact, rₙ alone where μ = 0, of the
+    /// weighted problem: its residual is about that of [`residual`](Self::residual).
     #[must_use]
     pub fn to_raw(&self) -> RawLcp {
+        self.weighted().to_raw_unweighted()
+    }
+
+    /// The problem in r √Wᵢᵢ / s and u / (√Wᵢᵢ s), with s the largest |qᵢ|/√Wᵢᵢ.
+    #[must_use]
+    pub fn weighted(&self) -> Self {
+        let Units { root, scale } = self.units();
+        let matrix = DMatrix::from_fn(root.len(), root.len(), |i, j| {
+            self.matrix[(i, j)] / (root[i] * root[j])
+        });
+        let q = DVector::from_fn(root.len(), |i, _| self.q[i] / (root[i] * scale));
+        let ratio = |(k, mu): (usize, &f64)| mu * root[2 * k + 1] / root[2 * k];
+        Self { matrix, q, mu: self.mu.iter().enumerate().map(ratio).collect() }
+    }
+
+    fn units(&self) -> Units {
+        let positive = |w: f64| if w > 0.0 { w.sqrt() } else { 1.0 };
+        let root: Vec<f64> = self.matrix.diagonal().iter().map(|&w| positive(w)).collect();
+        let largest =
+            self.q.iter().zip(&root).fold(0.0_f64, |s, (q, root)| s.max((q / root).abs()));
+        Units { root, scale: if largest > 0.0 { largest } else { 1.0 } }
+    }
+
+    fn to_raw_unweighted(&self) -> RawLcp {
         let places: Vec<Place> = self.places().collect();
         let n = self.size();
         let (mut M, mut q) = (DMatrix::zeros(n, n), DVector::zeros(n));
@@ -98,17 +129,19 @@ impl RawFriction {
     /// r from the unknowns of [`to_raw`](Self::to_raw), 2k.
     #[must_use]
     pub fn reactions(&self, z: &DVector<f64>) -> DVector<f64> {
+        let Units { root, scale } = self.units();
         let mut r = DVector::zeros(self.q.len());
         for Place { contact, first } in self.places() {
-            r[2 * contact] = z[first];
+            let (n, t) = (2 * contact, 2 * contact + 1);
+            r[n] = z[first] * scale / root[n];
             if self.mu[contact] > 0.0 {
-                r[2 * contact + 1] = z[first + 1] - self.mu[contact] * z[first];
+                r[t] = z[first + 1] * scale / root[t] - self.mu[contact] * r[n];
             }
         }
         r
     }
 
-    /// The unknowns of [`to_raw`](Self::to_raw) from r.
+    /// The unknowns (rₙ, a, uₜ⁻) of this problem as it stands, without weights.
     #[must_use]
     pub fn unknowns(&self, r: &DVector<f64>) -> DVector<f64> {
         let u = &self.matrix * r + &self.q;
@@ -129,8 +162,7 @@ impl RawFriction {
     #[must_use]
     pub fn residual(&self, r: &DVector<f64>) -> f64 {
         let u = &self.matrix * r + &self.q;
-        let root: Vec<f64> = self.matrix.diagonal().iter().map(|w| w.abs().sqrt()).collect();
-        let scale = (0..r.len()).fold(0.0_f64, |scale, i| scale.max(self.q[i].abs() / root[i]));
+        let Units { root, scale } = self.units();
         let scaled = |i: usize| (r[i] * root[i], u[i] / root[i]);
         let mut worst = 0.0_f64;
         for (contact, mu) in self.mu.iter().enumerate() {
@@ -142,7 +174,35 @@ impl RawFriction {
                 worst = if defect.is_finite() { worst.max(defect.abs()) } else { f64::INFINITY };
             }
         }
-        if worst == 0.0 { 0.0 } else { worst / scale }
+        worst / scale
+    }
+
+    /// dr/dq at a solution of [`to_raw`](Self::to_raw), 2k × 2k.
+    ///
+    /// # Errors
+    /// [`LcpError::NotConverged`] with the solution's residual if the active block is singular.
+    pub fn derivative(&self, solution: &RawSolution) -> Result<DMatrix<f64>, LcpError> {
+        let by = self.to_raw().derivative(solution)?;
+        let weighted = self.weighted();
+        let Units { root, .. } = self.units();
+        let mut derivative = DMatrix::zeros(self.q.len(), self.q.len());
+        for Place { contact: c, first } in self.places() {
+            for Place { contact: d, first: column } in self.places() {
+                for k in 0..if self.mu[d] > 0.0 { 2 } else { 1 } {
+                    let normal = by[(first, column + k)];
+                    derivative[(2 * c, 2 * d + k)] = normal;
+                    if self.mu[c] > 0.0 {
+                        let a = by[(first + 1, column + k)];
+                        derivative[(2 * c + 1, 2 * d + k)] = a - weighted.mu[c] * normal;
+                    }
+                }
+            }
+        }
+        derivative
+            .iter_mut()
+            .enumerate()
+            .for_each(|(k, entry)| *entry /= root[k % root.len()] * root[k / root.len()]);
+        Ok(derivative)
     }
 
     fn size(&self) -> usize {

@@ -140,7 +140,7 @@ fn pass_times(
     loss: &Loss,
     repetitions: usize,
 ) -> Result<[Duration; 2], Failure> {
-    let runs = (0..2 * repetitions + 1).map(|_| objective.evaluate(loss, &[START]));
+    let runs = (0..=2 * repetitions).map(|_| objective.evaluate(loss, &[START]));
     let runs = runs.collect::<Result<Vec<Evaluation>, _>>()?;
     Ok([median(runs.iter().map(|r| r.forward)), median(runs.iter().map(|r| r.reverse))])
 }

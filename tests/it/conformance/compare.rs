@@ -1,0 +1,152 @@
+//! The comparison of two answers to one problem.
+
+use nalgebra::Vector3;
+use tangency::LcpSolver;
+use tangency::diff::lcp::{LcpVector, RowVector, lcp_vjp};
+use tangency::lcp::{Law, Lcp, LcpError, LcpSolution, Metric};
+
+/// How far velocities may be apart, mass-weighted and relative to the problem's scale.
+const VELOCITY: f64 = 1e-9;
+/// Greatest natural residual of an answer.
+const RESIDUAL: f64 = 1e-10;
+/// How far derivatives may be apart, relative to their size.
+const DERIVATIVE: f64 = 1e-8;
+/// Answers that differ must solve the problem to rounding each.
+const EXACT: f64 = 1e-12;
+
+/// What the backends made of one problem.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Verdict {
+    /// Backends that solved it.
+    pub(super) solved: usize,
+    /// Answers with other velocities than the first, exact both: Coulomb's law has several solutions
+    /// here.
+    pub(super) multiple: usize,
+    /// Comparisons of derivatives.
+    pub(super) derivatives: usize,
+}
+
+/// Solves by every backend and compares with the first answer. A failure must be a typed one that
+/// claims no conflict; `Err` lists what is wrong.
+pub(super) fn compare(
+    problem: &Lcp,
+    solvers: &[Box<dyn LcpSolver>],
+) -> Result<Verdict, Vec<String>> {
+    let (mut verdict, mut wrong) = (Verdict::default(), Vec::new());
+    let mut first: Option<(&'static str, LcpSolution)> = None;
+    for solver in solvers {
+        let name = solver.name();
+        let solution = match solver.solve(problem, None, &mut Default::default()) {
+            Ok(solution) => solution,
+            Err(LcpError::NotConverged { .. }) => continue,
+            Err(error) => {
+                wrong.push(format!("{name}: {error}"));
+                continue;
+            }
+        };
+        verdict.solved += 1;
+        let residual = problem.residual(&solution).max();
+        if residual > RESIDUAL {
+            wrong.push(format!("{name}: residual {residual:e}"));
+        }
+        let Some((other, reference)) = &first else {
+            first = Some((name, solution));
+            continue;
+        };
+        let apart = distance(problem, reference, &solution);
+        if apart > VELOCITY {
+            if several(problem, reference, &solution) {
+                if std::env::var_os("H6_DIAG").is_some() {
+                    let least = |s: &LcpSolution| {
+                        problem.margins(s).into_iter().fold(f64::INFINITY, f64::min)
+                    };
+                    let rank = |s: &LcpSolution| s.system.as_ref().map_or(99, |s| s.rank_defect());
+                    println!(
+                        "DIAG {other} {name} apart {apart:e} res {:e} {:e} margins {:e} {:e} rank {} {} rows {} bodies {} flips {:?}",
+                        problem.residual(reference).max(),
+                        problem.residual(&solution).max(),
+                        least(reference),
+                        least(&solution),
+                        rank(reference),
+                        rank(&solution),
+                        problem.rows.len(),
+                        problem.mass.len(),
+                        (0..problem.rows.len())
+                            .filter(|&i| reference.modes[i] != solution.modes[i])
+                            .map(|i| (
+                                i,
+                                reference.modes[i],
+                                solution.modes[i],
+                                problem.rows[i].law
+                            ))
+                            .collect::<Vec<_>>()
+                    );
+                }
+                verdict.multiple += 1;
+            } else {
+                wrong.push(format!("{other} and {name}: velocities {apart:e} apart"));
+            }
+        } else if let Some(apart) = derivatives(problem, reference, &solution) {
+            verdict.derivatives += 1;
+            if apart > DERIVATIVE || apart.is_nan() {
+                wrong.push(format!("{other} and {name}: derivatives {apart:e} apart"));
+            }
+        }
+    }
+    if wrong.is_empty() { Ok(verdict) } else { Err(wrong) }
+}
+
+/// max √M |v − v'| relative to s*.
+pub(super) fn distance(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> f64 {
+    let mut worst = 0.0_f64;
+    for ((mass, a), b) in problem.mass.iter().zip(&one.velocities).zip(&other.velocities) {
+        worst = (0..3).fold(worst, |worst, k| worst.max(mass[k].sqrt() * (a[k] - b[k]).abs()));
+    }
+    if worst == 0.0 { 0.0 } else { worst / Metric::new(problem).scale }
+}
+
+/// Whether two answers are two solutions: both solve the problem to rounding and lie on different
+/// pieces of a law that allows it. Without friction the velocities are unique.
+fn several(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> bool {
+    let frictional = problem.rows.iter().any(|row| matches!(row.law, Law::Friction { .. }));
+    let exact = |solution: &LcpSolution| problem.residual(solution).max() <= EXACT;
+    frictional && one.modes != other.modes && exact(one) && exact(other)
+}
+
+/// Greatest difference of the pullbacks of one cotangent relative to their size; `None` on a switch,
+/// where each answer may take another one-sided derivative. Where rows depend on each other only the
+/// cotangents of momenta and masses are unique, and compared.
+fn derivatives(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> Option<f64> {
+    let wave = |i: usize| (2.3 * i as f64 + 0.4).sin();
+    let bar: Vec<Vector3<f64>> =
+        (0..problem.mass.len()).map(|i| Vector3::from_fn(|k, _| wave(3 * i + k))).collect();
+    let pull = |solution| lcp_vjp(problem, solution, &bar, None).expect("a derivative");
+    let ((a, report), (b, other_report)) = (pull(one), pull(other));
+    if !report.weak.is_empty() || !other_report.weak.is_empty() || one.modes != other.modes {
+        return None;
+    }
+    let rows = report.rank_defect == 0 && other_report.rank_defect == 0;
+    let (a, b) = (flat(problem, &a, rows), flat(problem, &b, rows));
+    let size = a.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
+    let apart = a.iter().zip(&b).fold(0.0_f64, |apart, (x, y)| apart.max((x - y).abs()));
+    Some(if apart == 0.0 { 0.0 } else { apart / size })
+}
+
+/// Entries in mass-weighted units.
+fn flat(problem: &Lcp, by: &LcpVector, rows: bool) -> Vec<f64> {
+    let metric = Metric::new(problem);
+    let mut all = Vec::new();
+    for (body, mass) in problem.mass.iter().enumerate() {
+        for k in 0..3 {
+            all.push(by.momentum[body][k] * mass[k].sqrt());
+            all.push(by.mass[body][k] * mass[k] / metric.scale);
+        }
+    }
+    if rows {
+        for (row, root) in by.rows.iter().zip(&metric.root) {
+            let RowVector { rhs, bound, .. } = row;
+            all.extend([rhs * root, bound / metric.scale]);
+        }
+    }
+    all
+}
