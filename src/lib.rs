@@ -30,7 +30,7 @@ pub use tangency_lcp::{Fallback, LcpSolver};
 ///
 /// # Panics
 /// Never: it exists only where a backend's feature is on.
-#[cfg(any(feature = "ipm", feature = "clarabel", feature = "lemke"))]
+#[cfg(any(feature = "ipm", feature = "clarabel"))]
 #[must_use]
 pub fn default_solver() -> Box<dyn LcpSolver> {
     solvers().swap_remove(0)
@@ -50,10 +50,11 @@ pub const BACKENDS: &[&str] = &[
 /// The solver of a backend's name, one of [`BACKENDS`].
 #[must_use]
 pub fn backend(name: &str) -> Option<Box<dyn LcpSolver>> {
-    BACKENDS.iter().zip(solvers()).find(|(known, _)| **known == name).map(|(_, solver)| solver)
+    BACKENDS.iter().zip(all_solvers()).find(|(known, _)| **known == name).map(|(_, solver)| solver)
 }
 
-/// Every solver that this build has, in the order of [`BACKENDS`]; empty if no backend's feature is on.
+/// The solvers of this build that take scenes of any size, in the order of [`BACKENDS`]; empty if
+/// no such backend's feature is on.
 #[must_use]
 pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
     vec![
@@ -61,9 +62,17 @@ pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
         Box::new(tangency_lcp_ipm::InteriorPoint::default()),
         #[cfg(feature = "clarabel")]
         Box::new(tangency_lcp_clarabel::Clarabel::default()),
+    ]
+}
+
+/// [`solvers`], and those for small problems only: every backend, in the order of [`BACKENDS`].
+#[must_use]
+pub fn all_solvers() -> Vec<Box<dyn LcpSolver>> {
+    let small: Vec<Box<dyn LcpSolver>> = vec![
         #[cfg(feature = "lemke")]
         Box::new(tangency_lcp_lemke::Lemke::default()),
-    ]
+    ];
+    solvers().into_iter().chain(small).collect()
 }
 
 /// The solvers of raw problems, in the order of [`BACKENDS`].
@@ -79,8 +88,8 @@ pub fn raw_solvers() -> Vec<Box<dyn lcp::RawSolver>> {
     ]
 }
 
-/// All backends of this build in turn, the first of [`solvers`] first.
+/// All backends of this build in turn, in the order of [`BACKENDS`].
 #[must_use]
 pub fn fallback() -> Fallback {
-    Fallback::new(solvers())
+    Fallback::new(all_solvers())
 }

@@ -9,16 +9,18 @@ mod compare;
 mod cones;
 mod random;
 mod recorded;
+mod reliability;
 mod rollouts;
 
-use tangency::lcp::{Fallback, LcpError};
+use tangency::lcp::{Fallback, Guess, Lcp, LcpError, LcpSolution, Scratch};
 use tangency::{BACKENDS, LcpSolver};
 
 use crate::engine::backends;
 
 #[test]
 fn every_feature_is_a_backend() {
-    assert_eq!(backends().len(), BACKENDS.len());
+    assert!(!backends().is_empty());
+    assert_eq!(tangency::all_solvers().len(), BACKENDS.len());
     assert_eq!(tangency::raw_solvers().len(), BACKENDS.len());
     for name in BACKENDS {
         assert!(tangency::backend(name).is_some(), "{name}");
@@ -34,12 +36,7 @@ impl LcpSolver for Hopeless {
         "hopeless"
     }
 
-    fn solve(
-        &self,
-        _: &tangency::lcp::Lcp,
-        _: Option<&tangency::lcp::Guess>,
-        _: &mut tangency::lcp::Scratch,
-    ) -> Result<tangency::lcp::LcpSolution, LcpError> {
+    fn solve(&self, _: &Lcp, _: Option<&Guess>, _: &mut Scratch) -> Result<LcpSolution, LcpError> {
         Err(LcpError::NotConverged { iterations: 1, residual: 0.5 })
     }
 }
@@ -47,14 +44,14 @@ impl LcpSolver for Hopeless {
 #[test]
 fn a_fallback_records_which_solver_answered() {
     let problem = tangency_bench::problems::stack(&mut tangency_bench::problems::Random(3), 1.0);
-    for solver in backends() {
+    for solver in tangency::all_solvers() {
         let name = solver.name();
         let fallback = Fallback::new(vec![Box::new(Hopeless), solver]);
-        let solution = fallback.solve(&problem, None, &mut Default::default()).expect("solved");
+        let solution = fallback.solve(&problem, None, &mut Scratch::default()).expect("solved");
         assert_eq!(solution.stats.attempt, 1);
         assert_eq!(fallback.answered(&solution), Some(name));
     }
     let fallback = Fallback::new(vec![Box::new(Hopeless)]);
-    let error = fallback.solve(&problem, None, &mut Default::default()).expect_err("hopeless");
+    let error = fallback.solve(&problem, None, &mut Scratch::default()).expect_err("hopeless");
     assert_eq!(error.residual(), Some(0.5));
 }

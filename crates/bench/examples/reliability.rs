@@ -7,14 +7,14 @@
 
 use std::time::Instant;
 
-use tangency::{LcpSolver, fallback, solvers};
+use tangency::{LcpSolver, all_solvers, fallback};
 use tangency_bench::problems::{CLASSES, Class, Random};
 
 fn main() {
     let seeds = std::env::args().nth(1).and_then(|text| text.parse().ok()).unwrap_or(100);
     println!("| class | backend | solved | iterations median | p90 | time median (µs) | p90 |");
     println!("|---|---|--:|--:|--:|--:|--:|");
-    let mut list: Vec<Box<dyn LcpSolver>> = solvers();
+    let mut list = all_solvers();
     list.push(Box::new(fallback()));
     let mut totals = vec![0; list.len()];
     for (name, class) in CLASSES {

@@ -5,7 +5,7 @@
 pub struct Estimate {
     /// The derivative.
     pub value: f64,
-    /// How much the last two extrapolations differ.
+    /// How much the last two extrapolations differ, but not less than the rounding of f.
     pub error: f64,
 }
 
@@ -33,12 +33,14 @@ pub fn derivative(mut f: impl FnMut(f64) -> f64, x: f64, step: f64) -> Estimate 
     let mut h = step;
     for level in 0..LEVELS {
         let (right, left) = (x + h, x - h);
-        let mut row = vec![(f(right) - f(left)) / (right - left)];
+        let (above_x, below_x) = (f(right), f(left));
+        let rounding = f64::EPSILON * above_x.abs().max(below_x.abs()) / h;
+        let mut row = vec![(above_x - below_x) / (right - left)];
         let mut power = 1.0;
         for j in 0..level {
             power *= 4.0;
             let value = row[j] + (row[j] - above[j]) / (power - 1.0);
-            let error = (value - row[j]).abs().max((value - above[j]).abs());
+            let error = (value - row[j]).abs().max((value - above[j]).abs()).max(rounding);
             if error <= best.error {
                 best = Estimate { value, error };
             }
@@ -66,7 +68,12 @@ mod tests {
         check(f64::sin, 0.7, 0.7_f64.cos());
         check(f64::exp, -2.0, (-2.0_f64).exp());
         check(|x| x.powi(5), 3.0, 405.0);
-        check(|x| 1e6 + x, 4.0, 1.0);
         check(|_| 1.0, 0.0, 0.0);
+    }
+
+    #[test]
+    fn rounding_is_part_of_the_error() {
+        let found = derivative(|x| 1e6 + x, 4.0, 4e-3);
+        assert!((found.value - 1.0).abs() <= found.error && found.error < 1e-6, "{found:?}");
     }
 }

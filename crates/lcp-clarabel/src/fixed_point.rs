@@ -31,7 +31,7 @@ pub struct Clarabel {
     pub acceptance: f64,
     /// Clarabel's own tolerance. Default 1e-9; below that it fails more often than it gains.
     pub conic_tolerance: f64,
-    /// Greatest number of convex programs per problem. Default 100.
+    /// Greatest number of convex programs per problem. Default 300.
     pub max_programs: u32,
     /// How the friction cone is written.
     pub cone: FrictionCone,
@@ -45,7 +45,7 @@ impl Default for Clarabel {
             tolerance: 1e-12,
             acceptance: 1e-10,
             conic_tolerance: 1e-9,
-            max_programs: 100,
+            max_programs: 300,
             cone: FrictionCone::default(),
             max_flips: 8,
         }
@@ -148,7 +148,24 @@ impl Search<'_> {
                 End::Stalled => {}
             }
         }
+        if self.best.as_ref().is_none_or(|best| best.max() > self.settings.acceptance) {
+            self.correct_at_length();
+        }
         self.finish()
+    }
+
+    /// The polish with twenty times its corrections: from the best modes found, and from those that
+    /// rows alone would take at the free velocities.
+    fn correct_at_length(&mut self) {
+        self.polish.max_flips = 20 * self.settings.max_flips;
+        let found = self.best.as_ref().map(|best| best.solution.modes.clone());
+        let cold = [false, true].map(|slide| self.polish.cold_modes(slide));
+        for modes in found.into_iter().chain(cold) {
+            let candidate = self.polish.modes(modes, None);
+            if self.offer(candidate) {
+                return;
+            }
+        }
     }
 
     /// s ← μ|u_t|, one convex program and one polish each; damped if not accelerated.
@@ -156,9 +173,12 @@ impl Search<'_> {
         let (problem, metric) = (self.polish.problem, self.polish.metric);
         let program = Program::new(problem, metric, self.settings.cone);
         let mut conic = self.conic(&program)?;
-        let mut s = vec![0.0; problem.rows.len()];
+        let mut s = match &self.best {
+            Some(best) if !accelerated => program.sliding(metric, &best.solution),
+            _ => vec![0.0; problem.rows.len()],
+        };
         let mut anderson = Anderson::default();
-        for _ in 0..programs {
+        for k in 0..programs {
             // Updating b keeps Clarabel's ordering and equilibration.
             conic.update_b(&program.shifted(&s)).map_err(|e| refused(&e))?;
             let iterate = match self.iterate(&mut conic, &program)? {
@@ -172,7 +192,7 @@ impl Search<'_> {
             if accelerated {
                 s = anderson.next(&s, &next);
             } else {
-                s.iter_mut().zip(&next).for_each(|(s, next)| *s = 0.5 * (*s + next));
+                blend(&mut s, &next, k);
             }
             if !program.has_friction() {
                 break; // one program is all there is
@@ -189,7 +209,7 @@ impl Search<'_> {
             None => vec![0.0; problem.rows.len()],
         };
         let mut bounded = problem.clone();
-        for _ in 0..programs {
+        for k in 0..programs {
             for (row, original) in bounded.rows.iter_mut().zip(&problem.rows) {
                 if let Law::Friction { normal, mu } = original.law {
                     row.law = Law::Bounded { max: mu * impulses[normal as usize].max(0.0) };
@@ -204,9 +224,7 @@ impl Search<'_> {
             if self.offer_approximate(&iterate) {
                 return Ok(End::Reached);
             }
-            for (old, new) in impulses.iter_mut().zip(&iterate.impulses) {
-                *old = 0.5 * (*old + new);
-            }
+            blend(&mut impulses, &iterate.impulses, k);
         }
         Ok(End::Stalled)
     }
@@ -269,6 +287,16 @@ impl Search<'_> {
         let settings = self.settings.conic_settings();
         let Program { p, q, a, b, cones, .. } = program;
         DefaultSolver::new(p, q, a, b, cones, settings).map_err(|e| refused(&e))
+    }
+}
+
+/// x ← x + θ (next − x) with another θ in (0, 1) for every entry and iteration: what a common θ lets
+/// cycle does not cycle then.
+fn blend(x: &mut [f64], next: &[f64], iteration: u32) {
+    let golden = 0.618_033_988_749_894_9;
+    for (i, (x, next)) in x.iter_mut().zip(next).enumerate() {
+        let theta = (f64::from(iteration + 1) * (i as f64 + 1.0) * golden).fract();
+        *x += theta * (next - *x);
     }
 }
 

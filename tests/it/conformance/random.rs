@@ -4,11 +4,10 @@ use proptest::prelude::*;
 use tangency_bench::problems::{CLASSES, Class, Random};
 
 use super::compare::compare;
-use crate::engine::backends;
 
 /// Every class with every seed: at least one backend solves it, and all that do agree.
 fn agree(name: &str, class: Class, seed: u64) -> Result<(), TestCaseError> {
-    let solvers = backends();
+    let solvers = tangency::all_solvers();
     let problem = class(&mut Random(seed));
     match compare(&problem, &solvers) {
         Ok(verdict) => prop_assert!(verdict.solved > 0, "{name} {seed}: not solved"),

@@ -25,33 +25,58 @@ fn problems(scene: &Scene) -> Vec<Lcp> {
     all
 }
 
-/// Compares on all problems of a scene; what is wrong, and how often solutions were several.
-fn check(name: &str, scene: &Scene, wrong: &mut Vec<String>) -> usize {
-    let solvers = backends();
-    let mut multiple = 0;
-    for (k, problem) in problems(scene).iter().enumerate() {
-        match compare(problem, &solvers) {
-            Ok(Verdict { solved, multiple: several, .. }) => {
-                multiple += several;
-                if solved < solvers.len() {
-                    wrong.push(format!("{name}, problem {k}: {solved} backends solved it"));
-                }
-            }
-            Err(found) => wrong.extend(found.iter().map(|w| format!("{name}, problem {k}: {w}"))),
-        }
-    }
-    multiple
+/// What the backends made of many problems.
+#[derive(Default)]
+struct Tally {
+    problems: usize,
+    failed: Vec<(&'static str, String)>,
+    multiple: Vec<String>,
+    wrong: Vec<String>,
 }
 
+impl Tally {
+    /// Compares on all problems of a scene.
+    fn add(&mut self, name: &str, scene: &Scene) {
+        let solvers = tangency::all_solvers();
+        for (k, problem) in problems(scene).iter().enumerate() {
+            let place = format!("{name}, problem {k}");
+            self.problems += 1;
+            match compare(problem, &solvers) {
+                Ok(Verdict { failed, multiple, .. }) => {
+                    self.failed.extend(failed.into_iter().map(|who| (who, place.clone())));
+                    self.multiple.extend((multiple > 0).then_some(place));
+                }
+                Err(found) => self.wrong.extend(found.iter().map(|w| format!("{place}: {w}"))),
+            }
+        }
+    }
+
+    /// All that answered agree. The interior point answers always, Clarabel in 99 of 100 problems;
+    /// Lemke's method need not: it does not try large ones.
+    fn check(&self) {
+        assert!(self.wrong.is_empty(), "{}", self.wrong.join("\n"));
+        assert!(self.problems > 100, "{} problems", self.problems);
+        let failures = |name: &str| -> Vec<&String> {
+            self.failed.iter().filter(|(who, _)| *who == name).map(|(_, place)| place).collect()
+        };
+        println!("{} problems, several solutions: {:?}", self.problems, self.multiple);
+        println!("lemke not: {:?}", failures("lemke").len());
+        assert!(failures("interior point").is_empty(), "{:?}", failures("interior point"));
+        let clarabel = failures("clarabel");
+        assert!(100 * clarabel.len() <= self.problems, "{clarabel:?}");
+    }
+}
+
+/// Only the pyramid's collapse has steps with several solutions.
 #[test]
 fn shipped_scenes() {
-    let mut wrong = Vec::new();
+    let mut tally = Tally::default();
     for (file, scene) in shipped() {
         let name = file.file_stem().expect("a name").to_string_lossy().into_owned();
-        let multiple = check(&name, &scene, &mut wrong);
-        println!("{name}: {multiple} answers differ where Coulomb's law has several");
+        tally.add(&name, &scene);
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    tally.check();
+    assert!(tally.multiple.iter().all(|m| m.starts_with("pyramid")), "{:?}", tally.multiple);
 }
 
 /// The scenes of the validation cases.
@@ -87,10 +112,11 @@ fn cases() -> Vec<SceneDef> {
 
 #[test]
 fn validation_cases() {
-    let mut wrong = Vec::new();
+    let mut tally = Tally::default();
     for mut def in cases() {
         def.controls.clear();
-        check(&def.name, &built(&def), &mut wrong);
+        tally.add(&def.name, &built(&def));
     }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    tally.check();
+    assert!(tally.multiple.is_empty(), "{:?}", tally.multiple);
 }
