@@ -6,6 +6,8 @@
 //!
 //! A proposal further than ten plain steps away is not taken; s stays non-negative.
 
+use nalgebra::{DMatrix, DVector};
+
 /// Greatest number of differences that are remembered.
 const MEMORY: usize = 5;
 /// A proposal may be at most this many plain steps long.
@@ -47,36 +49,11 @@ impl Anderson {
     /// Least squares by the normal equations with a small ridge; at most five unknowns.
     fn weights(&self, f: &[f64]) -> Vec<f64> {
         let m = self.df.len();
-        let mut matrix = vec![vec![0.0; m + 1]; m];
-        for i in 0..m {
-            for j in 0..m {
-                matrix[i][j] = dot(&self.df[i], &self.df[j]);
-            }
-            matrix[i][i] *= 1.0 + 1e-12;
-            matrix[i][m] = dot(&self.df[i], f);
-        }
-        eliminate(matrix)
+        let ridge = |i: usize, j: usize| if i == j { 1.0 + 1e-12 } else { 1.0 };
+        let normal = DMatrix::from_fn(m, m, |i, j| dot(&self.df[i], &self.df[j]) * ridge(i, j));
+        let right = DVector::from_fn(m, |i, _| dot(&self.df[i], f));
+        normal.cholesky().map_or_else(Vec::new, |c| c.solve(&right).as_slice().to_vec())
     }
-}
-
-/// Gaussian elimination of a positive definite system given with its right-hand side.
-fn eliminate(mut a: Vec<Vec<f64>>) -> Vec<f64> {
-    let m = a.len();
-    for k in 0..m {
-        for i in k + 1..m {
-            let factor = a[i][k] / a[k][k];
-            for j in k..=m {
-                let above = a[k][j];
-                a[i][j] -= factor * above;
-            }
-        }
-    }
-    let mut x = vec![0.0; m];
-    for k in (0..m).rev() {
-        let known: f64 = (k + 1..m).map(|j| a[k][j] * x[j]).sum();
-        x[k] = (a[k][m] - known) / a[k][k];
-    }
-    x
 }
 
 fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {

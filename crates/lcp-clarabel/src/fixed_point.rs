@@ -31,7 +31,7 @@ pub struct Clarabel {
     pub acceptance: f64,
     /// Clarabel's own tolerance. Default 1e-9; below that it fails more often than it gains.
     pub conic_tolerance: f64,
-    /// Greatest number of convex programs per problem. Default 300.
+    /// Greatest number of convex programs per problem. Default 100.
     pub max_programs: u32,
     /// How the friction cone is written.
     pub cone: FrictionCone,
@@ -45,7 +45,7 @@ impl Default for Clarabel {
             tolerance: 1e-12,
             acceptance: 1e-10,
             conic_tolerance: 1e-9,
-            max_programs: 300,
+            max_programs: 100,
             cone: FrictionCone::default(),
             max_flips: 8,
         }
