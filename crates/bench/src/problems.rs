@@ -28,6 +28,9 @@ impl Random {
     }
 
     /// An index below `count`.
+    ///
+    /// # Panics
+    /// If `count` is zero.
     pub fn index(&mut self, count: usize) -> usize {
         usize::try_from(self.bits() % count as u64).expect("an index")
     }
@@ -57,6 +60,9 @@ pub struct Builder {
 
 impl Builder {
     /// A body with velocity v⁻; gravity is added.
+    ///
+    /// # Panics
+    /// Beyond 2³² bodies.
     pub fn body(&mut self, centre: [f64; 2], mass: [f64; 2], velocity: [f64; 3]) -> u32 {
         let M = Vector3::new(mass[0], mass[0], mass[1]);
         let p = M.component_mul(&Vector3::from(velocity))
@@ -80,6 +86,9 @@ impl Builder {
     }
 
     /// A contact at a point, normal from a to b.
+    ///
+    /// # Panics
+    /// Beyond 2³² rows.
     pub fn contact(
         &mut self,
         bodies: [u32; 2],

@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Gauss-Newton: fit the beginning of the motion first, then longer and longer parts
     #[arg(long)]
     pub continuation: bool,
-    /// Folder for the files [default: out/fit-<scene>]
+    /// Folder for the files [default: out/fit-SCENE]
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Solver of the complementarity problems

@@ -65,7 +65,10 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     if solved { Ok(()) } else { Err(Failure::Unsolved { file: arguments.file.clone() }) }
 }
 
-fn chosen(name: Option<&str>) -> Result<Vec<(&'static str, Box<dyn RawSolver>)>, Failure> {
+/// A backend with its name.
+type Named = (&'static str, Box<dyn RawSolver>);
+
+fn chosen(name: Option<&str>) -> Result<Vec<Named>, Failure> {
     let all = BACKENDS.iter().copied().zip(raw_solvers());
     let chosen: Vec<_> = all.filter(|(known, _)| name.is_none_or(|name| name == *known)).collect();
     match name {

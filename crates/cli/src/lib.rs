@@ -5,7 +5,7 @@
 //! [replay page](replay) are how it leaves the program, and a [`Failure`] is why it did not.
 //!
 //! What learns from motion ([`gradient`], [`fit`], [`experiment`]) shares four more: a [`Loss`] over a
-//! rollout, [observations](observations) that one is made of, the [objective] that a loss is as a
+//! rollout, [observations] that one is made of, the [objective] that a loss is as a
 //! function of parameters, and the [minimisers](optimise) of that.
 //!
 //! [`Loss`]: loss::Loss

@@ -23,7 +23,7 @@ pub struct Arguments {
     /// Time step, s [default: the scene's]
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     pub dt: Option<f64>,
-    /// Folder for the files [default: out/<scene>]
+    /// Folder for the files [default: out/SCENE]
     #[arg(long)]
     pub out: Option<PathBuf>,
     /// Format of the trajectory

@@ -159,10 +159,9 @@ impl Program {
         for (i, (place, row)) in self.places.iter().zip(&problem.rows).enumerate() {
             let y = match (*place, self.cone) {
                 (Place::Single(k), _) if row.law == Law::Equality => -z[k],
-                (Place::Single(k), _) => z[k],
+                (Place::Single(k), _) | (Place::Normal(k, _), FrictionCone::SecondOrder) => z[k],
                 (Place::Bounded(k), _) => z[k] - z[k + 1],
                 (Place::Normal(k, _), FrictionCone::Polyhedral) => z[k] + z[k + 1],
-                (Place::Normal(k, _), FrictionCone::SecondOrder) => z[k],
                 (Place::Friction(k, mu), FrictionCone::Polyhedral) => mu * (z[k] - z[k + 1]),
                 (Place::Friction(k, mu), FrictionCone::SecondOrder) => mu * z[k + 1],
             };

@@ -10,6 +10,10 @@ use crate::anderson::Anderson;
 use crate::conic::Program;
 use crate::status::{ClarabelFailure, Verdict, verdict};
 
+/// Clarabel's tolerance where the accelerated iteration has failed: iterates before the limit show
+/// modes that the limit does not.
+const LOOSE: f64 = 1e-3;
+
 /// How friction's cone is handed to Clarabel. In the plane both describe the same set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrictionCone {
@@ -53,8 +57,7 @@ impl Default for Clarabel {
 }
 
 impl Clarabel {
-    pub(crate) fn conic_settings(&self) -> DefaultSettings<f64> {
-        let tolerance = self.conic_tolerance;
+    pub(crate) fn conic_settings(&self, tolerance: f64) -> DefaultSettings<f64> {
         DefaultSettings {
             verbose: false,
             presolve_enable: false, // or b could not be updated
@@ -172,7 +175,8 @@ impl Search<'_> {
     fn sliding(&mut self, accelerated: bool, programs: u32) -> Result<End, LcpError> {
         let (problem, metric) = (self.polish.problem, self.polish.metric);
         let program = Program::new(problem, metric, self.settings.cone);
-        let mut conic = self.conic(&program)?;
+        let tolerance = if accelerated { self.settings.conic_tolerance } else { LOOSE };
+        let mut conic = self.conic(&program, tolerance)?;
         let mut s = match &self.best {
             Some(best) if !accelerated => program.sliding(metric, &best.solution),
             _ => vec![0.0; problem.rows.len()],
@@ -216,7 +220,7 @@ impl Search<'_> {
                 }
             }
             let program = Program::new(&bounded, self.polish.metric, self.settings.cone);
-            let mut conic = self.conic(&program)?;
+            let mut conic = self.conic(&program, self.settings.conic_tolerance)?;
             let iterate = match self.iterate(&mut conic, &program)? {
                 Ok(iterate) => iterate,
                 Err(end) => return Ok(end),
@@ -283,8 +287,8 @@ impl Search<'_> {
         Err(LcpError::Infeasible { residual })
     }
 
-    fn conic(&self, program: &Program) -> Result<DefaultSolver<f64>, LcpError> {
-        let settings = self.settings.conic_settings();
+    fn conic(&self, program: &Program, tolerance: f64) -> Result<DefaultSolver<f64>, LcpError> {
+        let settings = self.settings.conic_settings(tolerance);
         let Program { p, q, a, b, cones, .. } = program;
         DefaultSolver::new(p, q, a, b, cones, settings).map_err(|e| refused(&e))
     }
