@@ -10,10 +10,6 @@ use crate::anderson::Anderson;
 use crate::conic::Program;
 use crate::status::{ClarabelFailure, Verdict, verdict};
 
-/// Clarabel's tolerance where the accelerated iteration has failed: iterates before the limit show
-/// modes that the limit does not.
-const LOOSE: f64 = 1e-3;
-
 /// How friction's cone is handed to Clarabel. In the plane both describe the same set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrictionCone {
@@ -57,7 +53,8 @@ impl Default for Clarabel {
 }
 
 impl Clarabel {
-    pub(crate) fn conic_settings(&self, tolerance: f64) -> DefaultSettings<f64> {
+    pub(crate) fn conic_settings(&self) -> DefaultSettings<f64> {
+        let tolerance = self.conic_tolerance;
         DefaultSettings {
             verbose: false,
             presolve_enable: false, // or b could not be updated
@@ -175,14 +172,13 @@ impl Search<'_> {
     fn sliding(&mut self, accelerated: bool, programs: u32) -> Result<End, LcpError> {
         let (problem, metric) = (self.polish.problem, self.polish.metric);
         let program = Program::new(problem, metric, self.settings.cone);
-        let tolerance = if accelerated { self.settings.conic_tolerance } else { LOOSE };
-        let mut conic = self.conic(&program, tolerance)?;
+        let mut conic = self.conic(&program)?;
         let mut s = match &self.best {
             Some(best) if !accelerated => program.sliding(metric, &best.solution),
             _ => vec![0.0; problem.rows.len()],
         };
         let mut anderson = Anderson::default();
-        for k in 0..programs {
+        for _ in 0..programs {
             // Updating b keeps Clarabel's ordering and equilibration.
             conic.update_b(&program.shifted(&s)).map_err(|e| refused(&e))?;
             let iterate = match self.iterate(&mut conic, &program)? {
@@ -196,7 +192,7 @@ impl Search<'_> {
             if accelerated {
                 s = anderson.next(&s, &next);
             } else {
-                blend(&mut s, &next, k);
+                halfway(&mut s, &next);
             }
             if !program.has_friction() {
                 break; // one program is all there is
@@ -213,14 +209,14 @@ impl Search<'_> {
             None => vec![0.0; problem.rows.len()],
         };
         let mut bounded = problem.clone();
-        for k in 0..programs {
+        for _ in 0..programs {
             for (row, original) in bounded.rows.iter_mut().zip(&problem.rows) {
                 if let Law::Friction { normal, mu } = original.law {
                     row.law = Law::Bounded { max: mu * impulses[normal as usize].max(0.0) };
                 }
             }
             let program = Program::new(&bounded, self.polish.metric, self.settings.cone);
-            let mut conic = self.conic(&program, self.settings.conic_tolerance)?;
+            let mut conic = self.conic(&program)?;
             let iterate = match self.iterate(&mut conic, &program)? {
                 Ok(iterate) => iterate,
                 Err(end) => return Ok(end),
@@ -228,7 +224,7 @@ impl Search<'_> {
             if self.offer_approximate(&iterate) {
                 return Ok(End::Reached);
             }
-            blend(&mut impulses, &iterate.impulses, k);
+            halfway(&mut impulses, &iterate.impulses);
         }
         Ok(End::Stalled)
     }
@@ -287,21 +283,16 @@ impl Search<'_> {
         Err(LcpError::Infeasible { residual })
     }
 
-    fn conic(&self, program: &Program, tolerance: f64) -> Result<DefaultSolver<f64>, LcpError> {
-        let settings = self.settings.conic_settings(tolerance);
+    fn conic(&self, program: &Program) -> Result<DefaultSolver<f64>, LcpError> {
+        let settings = self.settings.conic_settings();
         let Program { p, q, a, b, cones, .. } = program;
         DefaultSolver::new(p, q, a, b, cones, settings).map_err(|e| refused(&e))
     }
 }
 
-/// x ← x + θ (next − x) with another θ in (0, 1) for every entry and iteration: what a common θ lets
-/// cycle does not cycle then.
-fn blend(x: &mut [f64], next: &[f64], iteration: u32) {
-    let golden = 0.618_033_988_749_894_9;
-    for (i, (x, next)) in x.iter_mut().zip(next).enumerate() {
-        let theta = (f64::from(iteration + 1) * (i as f64 + 1.0) * golden).fract();
-        *x += theta * (next - *x);
-    }
+/// x ← (x + next) / 2.
+fn halfway(x: &mut [f64], next: &[f64]) {
+    x.iter_mut().zip(next).for_each(|(x, next)| *x = 0.5 * (*x + next));
 }
 
 pub(crate) fn refused(error: &dyn std::fmt::Display) -> LcpError {

@@ -105,8 +105,7 @@ impl Clarabel {
         let Convex { P, q, A, b, cones } = program;
         let upper = |i: usize, j: usize| i <= j;
         let (P, A) = (sparse(P, upper), sparse(A, |_, _| true));
-        DefaultSolver::new(&P, q, &A, b, cones, self.conic_settings(self.conic_tolerance))
-            .map_err(|e| refused(&e))
+        DefaultSolver::new(&P, q, &A, b, cones, self.conic_settings()).map_err(|e| refused(&e))
     }
 }
 

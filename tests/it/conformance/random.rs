@@ -11,7 +11,7 @@ fn agree(name: &str, class: Class, seed: u64) -> Result<(), TestCaseError> {
     let problem = class(&mut Random(seed));
     match compare(&problem, &solvers) {
         Ok(verdict) => {
-            prop_assert!(!verdict.failed.contains(&"interior point"), "{name} {seed}: not solved")
+            prop_assert!(!verdict.failed.contains(&"interior point"), "{name} {seed}: not solved");
         }
         Err(wrong) => prop_assert!(false, "{name} {seed}: {}", wrong.join("; ")),
     }

@@ -32,6 +32,7 @@ fn problems(scene: &Scene) -> Vec<Lcp> {
 #[derive(Default)]
 struct Tally {
     problems: usize,
+    derivatives: usize,
     failed: Vec<(&'static str, String)>,
     multiple: Vec<String>,
     wrong: Vec<String>,
@@ -45,7 +46,8 @@ impl Tally {
             let place = format!("{name}, problem {k}");
             self.problems += 1;
             match compare(problem, &solvers) {
-                Ok(Verdict { failed, multiple, .. }) => {
+                Ok(Verdict { failed, multiple, derivatives, .. }) => {
+                    self.derivatives += derivatives;
                     self.failed.extend(failed.into_iter().map(|who| (who, place.clone())));
                     self.multiple.extend((multiple > 0).then_some(place));
                 }
@@ -59,11 +61,12 @@ impl Tally {
     fn check(&self) {
         assert!(self.wrong.is_empty(), "{}", self.wrong.join("\n"));
         assert!(self.problems > 100, "{} problems", self.problems);
+        if tangency::all_solvers().len() > 1 {
+            assert!(2 * self.derivatives > self.problems, "{} derivatives", self.derivatives);
+        }
         let failures = |name: &str| -> Vec<&String> {
             self.failed.iter().filter(|(who, _)| *who == name).map(|(_, place)| place).collect()
         };
-        println!("{} problems, several solutions: {:?}", self.problems, self.multiple);
-        println!("lemke not: {:?}", failures("lemke").len());
         assert!(failures("interior point").is_empty(), "{:?}", failures("interior point"));
         let clarabel = failures("clarabel");
         assert!(100 * clarabel.len() <= self.problems, "{clarabel:?}");

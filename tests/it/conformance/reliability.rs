@@ -30,7 +30,6 @@ fn of_a_thousand_problems() {
     for solver in crate::engine::backends() {
         let least = if solver.name() == "clarabel" { 970 } else { 995 };
         let solved = solved(&*solver);
-        println!("{}: {solved} of 1000", solver.name());
         assert!(solved >= least, "{}: {solved} of 1000", solver.name());
     }
 }
