@@ -88,7 +88,13 @@ pub(super) fn distance(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) ->
 /// pieces of a law that allows it. Without friction the velocities are unique.
 fn several(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> bool {
     let frictional = problem.rows.iter().any(|row| matches!(row.law, Law::Friction { .. }));
-    let exact = |solution: &LcpSolution| problem.residual(solution).max() <= EXACT;
+    let metric = Metric::new(problem);
+    let exact = |solution: &LcpSolution| {
+        // Impulses of a jammed body may be thousands of times what drives it, and round accordingly.
+        let impulses = solution.impulses.iter().zip(&metric.root).map(|(y, root)| (y * root).abs());
+        let rounding = 4.0 * f64::EPSILON * impulses.fold(0.0, f64::max) / metric.scale;
+        problem.residual(solution).max() <= EXACT.max(rounding)
+    };
     frictional && one.modes != other.modes && exact(one) && exact(other)
 }
 

@@ -5,21 +5,16 @@ use tangency_bench::problems::{CLASSES, Class, Random};
 
 use super::compare::compare;
 
-/// Every class with every seed: those that solve it agree, and the interior point does.
+/// All that solve it agree, and a failure is one that claims no conflict. How many are solved is the
+/// question of `reliability`.
 fn agree(name: &str, class: Class, seed: u64) -> Result<(), TestCaseError> {
-    let solvers = tangency::all_solvers();
-    let problem = class(&mut Random(seed));
-    match compare(&problem, &solvers) {
-        Ok(verdict) => {
-            prop_assert!(!verdict.failed.contains(&"interior point"), "{name} {seed}: not solved");
-        }
-        Err(wrong) => prop_assert!(false, "{name} {seed}: {}", wrong.join("; ")),
-    }
+    let wrong = compare(&class(&mut Random(seed)), &tangency::all_solvers()).err();
+    prop_assert!(wrong.is_none(), "{name} {seed}: {}", wrong.unwrap_or_default().join("; "));
     Ok(())
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(200) })]
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn backends_agree_on_random_problems(class in 0..CLASSES.len(), seed: u64) {
