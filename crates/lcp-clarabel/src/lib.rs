@@ -13,8 +13,11 @@
 //!
 //! The iterate only has to be good enough to read a mode per row: the polish that all backends share
 //! then gives the solution to rounding, and the residual judges it. Without friction one program is
-//! enough. Read [`conic`](self) for the program, `fixed_point` for the iteration, `status` for what
-//! Clarabel's answers mean.
+//! enough. Where the accelerated iteration cycles, Tresca's frozen bounds and a damped iteration are
+//! tried; a problem that none of them solves is an error with its residual.
+//!
+//! Read `conic` for the program, `fixed_point` for the iterations, `status` for what Clarabel's answers
+//! mean, `raw` for problems given as a matrix.
 
 mod anderson;
 mod conic;
