@@ -1,14 +1,50 @@
-//! The validation cases by number, *step* grade, with the derivatives that plain stepping gets
-//! right. Their figures are never loosened.
+//! The validation cases, those of `tangency validate`: every figure of plain stepping is within its
+//! tolerance on every backend. Tolerances are those of the cases and are never loosened.
 
-mod chain;
-mod collisions;
-mod cradle;
-mod flight;
-mod incline;
-mod pendulum;
-mod quiet;
-mod redundant;
-mod rolling;
-mod sliding;
-mod standing;
+use tangency_validation::report::Line;
+use tangency_validation::{Backend, Figure, Verdict, cases, measure};
+
+/// Every backend of this build that takes scenes of any size.
+fn backends() -> Vec<Backend> {
+    let solvers = tangency::solvers().into_iter().zip(tangency::raw_solvers());
+    let backends = tangency::BACKENDS.iter().zip(solvers);
+    let list: Vec<_> =
+        backends.map(|(name, (solver, raw))| Backend { name, solver, raw }).collect();
+    assert!(!list.is_empty(), "this build has no backend: turn on the feature `ipm`");
+    list
+}
+
+/// `cargo test -- --nocapture` prints the table.
+#[track_caller]
+#[expect(clippy::print_stdout, reason = "captured unless the test fails or the table is asked for")]
+fn check(id: &str) {
+    let cases = cases();
+    let case = cases.iter().find(|case| case.id == id).expect("a case of this name");
+    for backend in backends() {
+        let (figures, _) = measure(case, &backend, false);
+        assert!(!figures.is_empty(), "{id} measures nothing");
+        figures.iter().for_each(|figure| println!("{id} {}: {}", backend.name, Line(figure)));
+        let failed: Vec<&Figure> =
+            figures.iter().filter(|figure| figure.verdict == Verdict::Failed).collect();
+        assert!(failed.is_empty(), "{id} on {}: {failed:#?}", backend.name);
+    }
+}
+
+/// A test per case, and one that none is left out.
+macro_rules! tests {
+    ($($name:ident $id:literal)*) => {
+        $(#[test] fn $name() { check($id); })*
+
+        #[test]
+        fn every_case_has_its_test() {
+            let tested = [$($id),*];
+            let ids: Vec<&str> = cases().iter().map(|case| case.id).collect();
+            assert_eq!(ids, tested);
+        }
+    };
+}
+
+tests! {
+    v01 "V01"
+    v05 "V05"
+}

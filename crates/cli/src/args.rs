@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{Console, Failure, experiment, fit, gradient, inspect, lcp, simulate};
+use crate::{Console, Failure, experiment, fit, gradient, inspect, lcp, simulate, validate};
 
 /// Differentiable planar physics from the shell.
 #[derive(Debug, Parser)]
@@ -34,6 +34,8 @@ pub enum Command {
     Fit(fit::Arguments),
     /// Solve a linear complementarity or planar friction problem from a file
     Lcp(lcp::Arguments),
+    /// Measure physics with known answers; write the table of all figures
+    Validate(validate::Arguments),
     /// The paper's experiments and ours, with figures and tables under out/
     #[command(subcommand)]
     Experiment(experiment::Experiment),
@@ -51,6 +53,7 @@ impl Command {
             Self::Gradient(arguments) => gradient::run(arguments, console),
             Self::Fit(arguments) => fit::run(arguments, console),
             Self::Lcp(arguments) => lcp::run(arguments, console),
+            Self::Validate(arguments) => validate::run(arguments, console),
             Self::Experiment(experiment) => experiment.run(console),
         }
     }

@@ -37,6 +37,20 @@ pub enum Failure {
         /// The names there are.
         known: String,
     },
+    /// A validation case that does not exist.
+    #[error("unknown case `{name}`; there are: {known}")]
+    UnknownCase {
+        /// The name given.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// Figures outside their tolerances.
+    #[error("{failed} figures are outside their tolerance; the table names them")]
+    Invalid {
+        /// How many.
+        failed: usize,
+    },
     /// A file of observations or the like is wrong.
     #[error("{}:{line}: {message}", file.display())]
     Input {
@@ -143,6 +157,7 @@ impl Failure {
             | Self::Scene(_)
             | Self::LcpFile(_)
             | Self::UnknownBackend { .. }
+            | Self::UnknownCase { .. }
             | Self::Input { .. }
             | Self::Read { .. }
             | Self::Parameter(_)
@@ -152,6 +167,7 @@ impl Failure {
             | Self::Overlap { .. } => ExitCode::from(2),
             Self::Write { .. }
             | Self::Step { .. }
+            | Self::Invalid { .. }
             | Self::Unsolved { .. }
             | Self::State(_)
             | Self::Derivative(_)

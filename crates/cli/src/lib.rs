@@ -20,6 +20,7 @@ pub mod gradient;
 pub mod inspect;
 pub mod lcp;
 pub mod simulate;
+pub mod validate;
 
 mod console;
 mod failure;

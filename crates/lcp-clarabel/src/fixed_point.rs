@@ -2,7 +2,7 @@
 
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver};
 use tangency_lcp::{
-    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Polish, Polished, Scratch,
+    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Polish, Polished, Scratch,
     SolveStats, solve_linear,
 };
 
@@ -88,7 +88,7 @@ impl LcpSolver for Clarabel {
         }
         let (target, max_flips) = (self.tolerance, self.max_flips);
         let polish = Polish { problem, metric: &metric, target, max_flips };
-        let stats = SolveStats::default();
+        let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
         let mut search = Search { settings: self, polish, stats, best: None };
         if guess.is_some_and(|guess| search.warm(guess)) {
             return search.finish();
@@ -133,6 +133,7 @@ impl Search<'_> {
 
     /// The iterations in turn, each with its share of the programs.
     fn run(mut self) -> Result<LcpSolution, LcpError> {
+        self.stats.method = Method::InteriorPoint;
         let share = self.settings.max_programs.div_ceil(4);
         let accelerated = Iteration::Sliding { accelerated: true };
         let damped = Iteration::Sliding { accelerated: false };

@@ -1,8 +1,8 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Mode, Polish, Polished, Scratch,
-    SolveStats, solve_linear,
+    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish, Polished,
+    Scratch, SolveStats, solve_linear,
 };
 use tangency_lcp_lemke::candidates;
 
@@ -69,6 +69,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
+        self.stats.method = Method::ActiveSet;
         let reached = guess.is_some_and(|guess| self.warm(guess)) || self.cold() || self.enclosed();
         self.finish(reached)
     }
@@ -111,11 +112,13 @@ impl Search<'_> {
 
     /// The stages that need the rows' matrix.
     fn enclosed(&mut self) -> bool {
+        self.stats.method = Method::InteriorPoint;
         let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
         self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.pivoting(&form)
     }
 
     fn pivoting(&mut self, form: &BoxForm) -> bool {
+        self.stats.method = Method::Pivoting;
         self.polish.max_flips *= 5;
         candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;

@@ -1,8 +1,8 @@
 //! [`Lemke`].
 
 use tangency_lcp::{
-    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Polish, Polished, RawLcp,
-    RawPolish, RawSolution, RawSolver, Scratch, SolveStats, solve_linear,
+    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Polish, Polished,
+    RawLcp, RawPolish, RawSolution, RawSolver, Scratch, SolveStats, solve_linear,
 };
 
 use crate::candidates;
@@ -46,7 +46,8 @@ impl LcpSolver for Lemke {
         let metric = Metric::new(problem);
         let (target, max_flips) = (self.tolerance, self.max_flips);
         let polish = Polish { problem, metric: &metric, target, max_flips };
-        let mut search = Search { polish, best: None, stats: SolveStats::default() };
+        let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
+        let mut search = Search { polish, best: None, stats };
         let _ = guess.is_some_and(|guess| search.warm(guess)) || search.pivoting();
         search.finish(self.acceptance)
     }
@@ -89,6 +90,7 @@ impl Search<'_> {
     }
 
     fn pivoting(&mut self) -> bool {
+        self.stats.method = Method::Pivoting;
         let problem = self.polish.problem;
         let form = BoxForm::of_rows(problem, self.polish.metric);
         candidates(&form).any(|(y, pivots)| {

@@ -41,5 +41,5 @@ pub use problem::{Law, Lcp, NO_BODY, Row};
 pub use pseudo_inverse::pseudo_inverse;
 pub use raw::{RawFriction, RawLcp, RawPolish, RawSolution, RawSolver};
 pub use residual::{Metric, Residual};
-pub use solution::{LcpSolution, Mode, SolveStats};
+pub use solution::{LcpSolution, Method, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};

@@ -20,9 +20,29 @@ pub enum Mode {
     Lower,
 }
 
+/// How a solution was found.
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
+)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Equalities only, or nothing at all: one linear solve.
+    #[default]
+    Linear,
+    /// Modes that were guessed, or read at the free velocities, and corrected.
+    ActiveSet,
+    /// An interior point, or a fixed point of convex programs, and the modes that it showed.
+    InteriorPoint,
+    /// Lemke's pivoting.
+    Pivoting,
+}
+
 /// What a solve cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SolveStats {
+    /// How the solution was found.
+    #[serde(default)]
+    pub method: Method,
     /// Interior-point iterations (0 when an active set was verified at once).
     pub iterations: u32,
     /// Matrix factorisations, those of the polish included.

@@ -1,0 +1,26 @@
+//! The cases, by theme.
+
+use crate::Case;
+
+mod flight;
+mod incline;
+
+/// All cases, by identifier.
+#[must_use]
+pub fn cases() -> Vec<&'static Case> {
+    let mut cases: Vec<&'static Case> =
+        [flight::CASES, incline::CASES].into_iter().flatten().collect();
+    cases.sort_by_key(|case| case.id);
+    cases
+}
+
+/// Sums of normal and of tangential contact impulses of a step, N·s.
+pub(crate) fn contact_sums(record: &tangency_core::StepRecord) -> (f64, f64) {
+    let impulses = record.contact_impulses();
+    (impulses.iter().map(|i| i.normal).sum(), impulses.iter().map(|i| i.tangent).sum())
+}
+
+/// Impulse of a joint's held row, N·s; NaN if it was not modelled.
+pub(crate) fn held_impulse(record: &tangency_core::StepRecord, joint: u32, row: u32) -> f64 {
+    record.impulse(tangency_core::RowSource::Held { joint, row }).unwrap_or(f64::NAN)
+}
