@@ -2,8 +2,12 @@
 //!
 //! Nothing here is part of the engine. [`finite_difference`] is the only place of the repository
 //! that approximates a derivative by differences; [`scenes`] holds the scenes of the validation
-//! cases, of the paper's experiment, and some small machines.
+//! cases, of the paper's experiment, and some small machines; [`random_scene`] makes others from
+//! seeds.
 
 pub mod finite_difference;
 pub mod problems;
+mod random_scene;
 pub mod scenes;
+
+pub use random_scene::{is_driven, random_scene};

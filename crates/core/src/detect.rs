@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use tangency_collision::{Contact, Placed, contacts};
 
-use crate::row::{RowContext, RowSource, Stage};
+use crate::row::{RowContext, RowSource};
 use crate::scene::Scene;
 use crate::{ContactModel, State, StepError};
 
@@ -67,7 +67,7 @@ pub(crate) fn contacts_within(
 pub(crate) fn rows(context: &RowContext<'_>, reach: Reach) -> Vec<RowSource> {
     let mut rows = Vec::new();
     for (j, joint) in context.scene.joints.iter().enumerate() {
-        let post = context.stage == Stage::Post;
+        let post = !context.stage.is_velocity();
         if post && joint.softness.is_some() {
             continue;
         }
@@ -88,7 +88,7 @@ pub(crate) fn rows(context: &RowContext<'_>, reach: Reach) -> Vec<RowSource> {
     {
         rows.push(RowSource::Normal { contact });
         let [a, b] = context.contact_bodies(contact);
-        if context.stage == Stage::Velocity && context.scene.pair_friction(a, b).value > 0.0 {
+        if context.stage.is_velocity() && context.scene.pair_friction(a, b).value > 0.0 {
             rows.push(RowSource::Tangent { contact });
         }
     }

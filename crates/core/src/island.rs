@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use tangency_lcp::{Law, Lcp, NO_BODY, Row};
 
-use crate::row::{RowContext, RowGeometry, RowSource, Stage};
+use crate::row::{RowContext, RowGeometry, RowSource, Stage, softness};
 
 /// The problem of one island, and what its bodies and rows are.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,32 @@ pub(crate) struct Island {
     pub(crate) sources: Vec<RowSource>,
     /// The problem.
     pub(crate) problem: Lcp,
+    /// Which problem it is.
+    pub(crate) stage: Stage,
+}
+
+impl Island {
+    /// The same island in another stage; `None` if the stage asks for the same, or if a joint error
+    /// is too large to stay.
+    pub(crate) fn at(&self, context: &RowContext<'_>) -> Option<Self> {
+        let mut island = Self { stage: context.stage, ..self.clone() };
+        let mut changed = false;
+        for (source, row) in self.sources.iter().zip(&mut island.problem.rows) {
+            let geometry = context.geometry(*source);
+            if context.stage == Stage::Loose && !context.may_drift(*source, geometry.value) {
+                return None;
+            }
+            let before = (row.rhs, row.compliance);
+            set_right_side(context, *source, &geometry, row);
+            changed |= before != (row.rhs, row.compliance);
+        }
+        if context.stage == Stage::SoftPost {
+            let gives = |law| context.mends_joints || law != Law::Equality;
+            island.problem.soften(|law| if gives(law) { softness(law) } else { 0.0 });
+            changed = true;
+        }
+        changed.then_some(island)
+    }
 }
 
 /// Groups rows into islands, ordered by their lowest body, and assembles each.
@@ -33,7 +59,7 @@ pub(crate) fn assemble(
         if of_root[root] == usize::MAX {
             of_root[root] = islands.len();
             let (bodies, sources, problem) = (Vec::new(), Vec::new(), Lcp::default());
-            islands.push(Island { bodies, sources, problem });
+            islands.push(Island { bodies, sources, problem, stage: context.stage });
         }
         let island = &mut islands[of_root[root]];
         local[body] = u32::try_from(island.bodies.len()).expect("fewer bodies than u32 counts");
@@ -65,24 +91,38 @@ fn assemble_row(
         compliance: 0.0,
         law: Law::Equality,
     };
+    for side in 0..2 {
+        let Some(body) = geometry.bodies[side].filter(|b| context.scene.is_dynamic(*b)) else {
+            continue;
+        };
+        row.bodies[side] = local[body];
+        row.jacobian[side] = geometry.jacobian[side];
+    }
+    set_right_side(context, source, geometry, &mut row);
+    let normal = u32::try_from(index.saturating_sub(1)).expect("fewer rows than u32 counts");
+    row.law = context.law(source, normal);
+    row
+}
+
+/// b and c of a row; sides that are driven take their known velocity off b.
+fn set_right_side(
+    context: &RowContext<'_>,
+    source: RowSource,
+    geometry: &RowGeometry,
+    row: &mut Row,
+) {
     let (mut speed, mut driven) = (0.0, 0.0);
     for side in 0..2 {
         let Some(body) = geometry.bodies[side] else { continue };
         let part = geometry.jacobian[side].dot(&context.v[body]);
         speed += part;
-        if context.scene.is_dynamic(body) {
-            row.bodies[side] = local[body];
-            row.jacobian[side] = geometry.jacobian[side];
-        } else if context.stage == Stage::Velocity {
+        if !context.scene.is_dynamic(body) && context.stage.is_velocity() {
             driven += part;
         }
     }
     let rhs = context.rhs(source, geometry.value, speed);
     row.rhs = rhs.value - driven;
     row.compliance = rhs.compliance;
-    let normal = u32::try_from(index.saturating_sub(1)).expect("fewer rows than u32 counts");
-    row.law = context.law(source, normal);
-    row
 }
 
 /// The lowest body of each dynamic body's island; `usize::MAX` for bodies without rows.

@@ -6,7 +6,7 @@ use tangency_collision::Contact;
 use tangency_lcp::{Lcp, LcpSolution};
 
 use crate::State;
-use crate::row::RowSource;
+use crate::row::{RowSource, Stage};
 use crate::scene::Scene;
 
 /// The cheapest way that an island could be solved.
@@ -39,6 +39,8 @@ pub struct IslandRecord {
     pub solution: LcpSolution,
     /// How it was solved.
     pub path: Path,
+    /// Which problem of the step it is, and how much of it gave way.
+    pub stage: Stage,
     /// Scaled residual, as judged by the engine.
     pub residual: f64,
 }
@@ -50,6 +52,9 @@ pub struct PostRecord {
     pub moved: Vec<Vector3<f64>>,
     /// The step's contacts, evaluated there.
     pub contacts: Vec<Contact>,
+    /// Whether joints were closed, too: the scene asks for it, or an island was
+    /// [`Loose`](Stage::Loose).
+    pub mends_joints: bool,
     /// The problems; their velocities are the displacement divided by dt.
     pub islands: Vec<IslandRecord>,
 }
@@ -104,6 +109,12 @@ pub struct Counts {
     pub factorisations: usize,
     /// Whether positions were mended after the move.
     pub mended: bool,
+    /// Islands that gave up restitution ([`Stage::Plastic`]).
+    pub plastic_islands: usize,
+    /// Islands that also let joint errors and penetrations stay ([`Stage::Loose`]).
+    pub loose_islands: usize,
+    /// Islands whose positions could only be mended in part ([`Stage::SoftPost`]).
+    pub soft_islands: usize,
 }
 
 impl StepRecord {
@@ -171,6 +182,12 @@ impl StepRecord {
         }
         let post = self.post.iter().flat_map(|post| &post.islands);
         for island in self.islands.iter().chain(post) {
+            match island.stage {
+                Stage::Velocity | Stage::Post => {}
+                Stage::Plastic => counts.plastic_islands += 1,
+                Stage::Loose => counts.loose_islands += 1,
+                Stage::SoftPost => counts.soft_islands += 1,
+            }
             counts.iterations += island.solution.stats.iterations as usize;
             counts.factorisations += island.solution.stats.factorisations as usize;
         }

@@ -14,7 +14,7 @@ use tangency_lcp::Law;
 use crate::model::{Control, Joint, JointRow};
 use crate::rhs::{self, Rhs, Unilateral};
 use crate::scene::Scene;
-use crate::{BodyKind, Correction};
+use crate::{BodyKind, ContactModel, Correction};
 
 /// Penetrations and limit violations below this part of a body's size are rounding.
 const SLOP: f64 = 1e-9;
@@ -56,13 +56,65 @@ pub enum RowSource {
     },
 }
 
-/// Which problem of a step the rows belong to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which problem of a step the rows belong to, and how much of it gives way.
+///
+/// Rows ask for what must be (bodies and limits do not pass each other, joints move as one) and for
+/// what should be (contacts bounce, position errors go away). What should be can contradict itself:
+/// a ball that fits its slot cannot leave both walls at once. The first stage of a list that has a
+/// solution counts, and [`IslandRecord::stage`](crate::IslandRecord::stage) tells it:
+///
+/// ```text
+///  velocities      Velocity  →  Plastic  →  Loose
+///  displacement    Post  →  SoftPost
+/// ```
+///
+/// `Loose` and `SoftPost` always have one, unless motors or kinematic bodies drive the rows against
+/// each other (`docs/maths.md`, section 2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Stage {
     /// The velocities at the end of the step.
+    #[default]
     Velocity,
+    /// The same without restitution.
+    Plastic,
+    /// The same without restitution, and without removing position errors: that is left to the
+    /// displacement after the move.
+    Loose,
     /// The displacement that removes position errors after the move.
     Post,
+    /// The same where each row gives way by its [`softness`] times Wᵢᵢ per impulse; joints do so
+    /// only if they are to be closed.
+    SoftPost,
+}
+
+/// Part of its own Wᵢᵢ by which a row of [`Stage::SoftPost`] gives way; joints resist more than
+/// contacts and limits.
+#[must_use]
+pub fn softness(law: Law) -> f64 {
+    if law == Law::Equality { 1e-4 } else { 1e-2 }
+}
+
+/// Joint errors above this part of a body's size (or this many rad) do not give way.
+const DRIFT: f64 = 0.1;
+
+impl Stage {
+    /// Whether the unknowns are the velocities at the end of the step.
+    #[must_use]
+    pub fn is_velocity(self) -> bool {
+        matches!(self, Self::Velocity | Self::Plastic | Self::Loose)
+    }
+
+    /// What is tried if this has no solution.
+    #[must_use]
+    pub fn next(self) -> Option<Self> {
+        match self {
+            Self::Velocity => Some(Self::Plastic),
+            Self::Plastic => Some(Self::Loose),
+            Self::Post => Some(Self::SoftPost),
+            Self::Loose | Self::SoftPost => None,
+        }
+    }
 }
 
 /// Value and gradient of a row, before its right-hand side.
@@ -91,6 +143,8 @@ pub struct RowContext<'a> {
     pub control: &'a [f64],
     /// Contacts, evaluated at `q`.
     pub contacts: &'a [Contact],
+    /// Whether the displacement after the move closes joints, too.
+    pub mends_joints: bool,
 }
 
 impl RowContext<'_> {
@@ -142,35 +196,62 @@ impl RowContext<'_> {
     /// `speed` is J v⁻.
     #[must_use]
     pub fn rhs(&self, source: RowSource, value: f64, speed: f64) -> Rhs {
-        let scene = self.scene;
         match (self.stage, source) {
             (_, RowSource::Tangent { .. }) => Rhs::default(),
-            (Stage::Velocity, RowSource::Held { joint, .. }) => match self.joint(joint).softness {
-                Some(softness) => rhs::soft(softness, value, scene.dt),
-                None => rhs::rigid(scene.def.stabilisation.joints, value, scene.dt),
-            },
-            (Stage::Velocity, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
-                let (slop, correction) = (self.limit_slop(joint), scene.def.stabilisation.joints);
-                self.unilateral(slop, correction).rhs(value, speed, 0.0)
+            (Stage::Post | Stage::SoftPost, _) => self.post_rhs(source, value),
+            (_, RowSource::Held { joint, .. }) => self.held_rhs(joint, value),
+            (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
+                let rule = Unilateral {
+                    model: ContactModel::Gap,
+                    ..self.unilateral(self.limit_slop(joint), self.scene.def.stabilisation.joints)
+                };
+                rule.rhs(value, speed, 0.0)
             }
-            (Stage::Velocity, RowSource::Motor { joint }) => {
+            (_, RowSource::Motor { joint }) => {
                 Rhs { value: self.motor_speed(joint), ..Rhs::default() }
             }
-            (Stage::Velocity, RowSource::Normal { contact }) => {
+            (stage, RowSource::Normal { contact }) => {
                 let [a, b] = self.contact_bodies(contact);
-                let e = scene.pair_restitution(a, b).value;
-                let correction = scene.def.stabilisation.contacts;
+                let bounces = stage == Stage::Velocity;
+                let e = if bounces { self.scene.pair_restitution(a, b).value } else { 0.0 };
+                let correction = self.scene.def.stabilisation.contacts;
                 self.unilateral(self.contact_slop(contact), correction).rhs(value, speed, e)
             }
-            (Stage::Post, RowSource::Held { .. } | RowSource::Motor { .. }) => {
-                if scene.def.stabilisation.joints == Correction::Post {
-                    rhs::post_joint(value, scene.dt, scene.def.recovery_speed)
+        }
+    }
+
+    fn held_rhs(&self, joint: u32, value: f64) -> Rhs {
+        let (dt, joints) = (self.scene.dt, self.scene.def.stabilisation.joints);
+        match self.joint(joint).softness {
+            Some(softness) => rhs::soft(softness, value, dt),
+            None if self.stage == Stage::Loose => Rhs::default(),
+            None => rhs::rigid(joints, value, dt),
+        }
+    }
+
+    fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
+        let (dt, speed) = (self.scene.dt, self.scene.def.recovery_speed);
+        match source {
+            RowSource::Held { .. } | RowSource::Motor { .. } => {
+                if self.mends_joints {
+                    rhs::post_joint(value, dt, speed)
                 } else {
                     Rhs::default()
                 }
             }
-            (Stage::Post, _) => rhs::post_gap(value, scene.dt, scene.def.recovery_speed),
+            _ => rhs::post_gap(value, dt, speed),
         }
+    }
+
+    /// Whether the position error of a row may stay for a step: it is drift, not a contradiction.
+    #[must_use]
+    pub fn may_drift(&self, source: RowSource, value: f64) -> bool {
+        let RowSource::Held { joint, row } = source else { return true };
+        let held = self.joint(joint);
+        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
+        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
+        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
+        held.softness.is_some() || value.abs() <= DRIFT * size
     }
 
     /// The law of a row; `normal` is the index of the row before, for friction.
@@ -241,6 +322,10 @@ impl RowContext<'_> {
     fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {
         let (def, dt) = (&self.scene.def, self.scene.dt);
         let recovery_speed = def.recovery_speed;
+        let correction = match self.stage {
+            Stage::Loose => Correction::None,
+            _ => correction,
+        };
         Unilateral { model: def.contact_model, correction, dt, recovery_speed, slop }
     }
 

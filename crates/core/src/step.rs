@@ -9,7 +9,7 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{Law, Lcp, LcpSolver, Scratch, solve_checked};
+use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, LcpSolver, Scratch, solve_checked};
 
 use crate::detect::{Reach, detect, reach, rows};
 use crate::island::{Island, assemble};
@@ -39,7 +39,10 @@ pub fn step(
 ) -> Result<StepRecord, StepError> {
     check_input(scene, state, control)?;
     let Setup { contacts, islands, momentum, reach } = set_up(scene, state, control)?;
-    let islands = solve(scene, solver, state.time, islands, scratch)?;
+    let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
+    let context =
+        RowContext { scene, stage, q, v, control, contacts: &contacts, mends_joints: false };
+    let islands = solve(&context, solver, state.time, islands, scratch)?;
     let after = integrate(scene, state, &momentum, &islands);
     let mut record = StepRecord { control: control.to_vec(), contacts, islands, post: None, after };
     mend_positions(scene, solver, reach, &mut record, scratch)?;
@@ -56,7 +59,7 @@ pub(crate) struct Setup {
 
 pub(crate) fn set_up(scene: &Scene, state: &State, control: &[f64]) -> Result<Setup, StepError> {
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context = RowContext { scene, stage, q, v, control, contacts: &[] };
+    let context = RowContext { scene, stage, q, v, control, contacts: &[], mends_joints: false };
     let momentum = momentum(&context, state.time);
     let reach = reach(scene, v, &momentum);
     let contacts = detect(scene, state, reach)?;
@@ -65,25 +68,65 @@ pub(crate) fn set_up(scene: &Scene, state: &State, control: &[f64]) -> Result<Se
     Ok(Setup { contacts, islands, momentum, reach })
 }
 
+/// Solves the islands, each in the first of its stages that has a solution.
 fn solve(
-    scene: &Scene,
+    context: &RowContext<'_>,
     solver: &dyn LcpSolver,
     time: f64,
     islands: Vec<Island>,
     scratch: &mut StepScratch,
 ) -> Result<Vec<IslandRecord>, StepError> {
-    let mut solved = Vec::with_capacity(islands.len());
-    for Island { bodies, sources, problem } in islands {
-        let path = Path::of(&problem);
-        let result = solve_checked(solver, &problem, None, &mut scratch.lcp, scene.tolerance());
-        let (solution, residual) = result.map_err(|source| {
-            let names = bodies.iter().map(|b| scene.bodies[*b as usize].name.as_str());
-            StepError::Lcp { time, bodies: names.collect::<Vec<_>>().join(", "), source }
-        })?;
-        let residual = residual.max();
-        solved.push(IslandRecord { bodies, sources, problem, solution, path, residual });
+    let solve = |island| solve_island(context, solver, island, scratch);
+    let named = |(bodies, source): (Vec<u32>, LcpError)| {
+        let names = bodies.iter().map(|b| context.scene.bodies[*b as usize].name.as_str());
+        StepError::Lcp { time, bodies: names.collect::<Vec<_>>().join(", "), source }
+    };
+    islands.into_iter().map(solve).map(|result| result.map_err(named)).collect()
+}
+
+/// The record of one island; of a refusal its bodies and the first stage's error.
+fn solve_island(
+    context: &RowContext<'_>,
+    solver: &dyn LcpSolver,
+    mut island: Island,
+    scratch: &mut StepScratch,
+) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
+    let tolerance = context.scene.tolerance();
+    let mut first = None;
+    loop {
+        let problem = &island.problem;
+        let result = solve_checked(solver, problem, None, &mut scratch.lcp, tolerance);
+        let error = match result {
+            Ok((solution, residual)) => return Ok(record(island, solution, residual.max())),
+            Err(error) => error,
+        };
+        let first = first.get_or_insert(error);
+        match giving_way(context, &island) {
+            Some(next) => island = next,
+            None => return Err((island.bodies, std::mem::replace(first, GAVE_UP))),
+        }
     }
-    Ok(solved)
+}
+
+/// Takes the place of an error that was moved out.
+const GAVE_UP: LcpError = LcpError::NotConverged { iterations: 0, residual: f64::INFINITY };
+
+/// The island in its next stage that asks for something else.
+fn giving_way(context: &RowContext<'_>, island: &Island) -> Option<Island> {
+    let mut stage = island.stage;
+    while let Some(next) = stage.next() {
+        if let Some(island) = island.at(&RowContext { stage: next, ..*context }) {
+            return Some(island);
+        }
+        stage = next;
+    }
+    None
+}
+
+fn record(island: Island, solution: LcpSolution, residual: f64) -> IslandRecord {
+    let Island { bodies, sources, problem, stage } = island;
+    let path = Path::of(&problem);
+    IslandRecord { bodies, sources, problem, solution, path, stage, residual }
 }
 
 /// v⁺ from the islands, or p/m where nothing acts; q⁺ = q + dt v⁺ (semi-implicit Euler).
@@ -119,27 +162,29 @@ fn mend_positions(
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
     let stabilisation = scene.stabilisation();
-    let asked = [stabilisation.joints, stabilisation.contacts];
-    if !asked.contains(&Correction::Post) {
+    let loose = record.islands.iter().any(|island| island.stage == Stage::Loose);
+    let mends_joints = loose || stabilisation.joints == Correction::Post;
+    if !mends_joints && stabilisation.contacts != Correction::Post {
         return Ok(());
     }
     let moved = record.after.q.clone();
     let contacts = evaluate_at(&record.contacts, &moved);
     let (stage, v, control) = (Stage::Post, &record.after.v, &record.control);
-    let context = RowContext { scene, stage, q: &moved, v, control, contacts: &contacts };
+    let context =
+        RowContext { scene, stage, q: &moved, v, control, contacts: &contacts, mends_joints };
     if !needs_mending(&context) {
         return Ok(());
     }
     let still = vec![Vector3::zeros(); moved.len()];
     let mut islands = assemble(&context, &still, &rows(&context, reach));
     islands.retain(|island| is_displaced(&island.problem));
-    let islands = solve(scene, solver, record.after.time, islands, scratch)?;
+    let islands = solve(&context, solver, record.after.time, islands, scratch)?;
     for island in &islands {
         for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {
             record.after.q[*body as usize] += scene.dt * w;
         }
     }
-    record.post = Some(PostRecord { moved, contacts, islands });
+    record.post = Some(PostRecord { moved, contacts, mends_joints, islands });
     Ok(())
 }
 
@@ -161,7 +206,7 @@ fn evaluate_at(contacts: &[Contact], q: &[Vector3<f64>]) -> Vec<Contact> {
 }
 
 fn needs_mending(context: &RowContext<'_>) -> bool {
-    let stabilisation = context.scene.stabilisation();
+    let contacts = context.scene.stabilisation().contacts;
     let penetrates = |c: u32| context.contacts[c as usize].gap < -context.contact_slop(c);
     let drifts = |joint: usize| {
         let held = &context.scene.joints[joint];
@@ -170,8 +215,8 @@ fn needs_mending(context: &RowContext<'_>) -> bool {
             && held.held.iter().any(|row| context.joint_geometry(index, *row).value != 0.0)
     };
     let n_contacts = u32::try_from(context.contacts.len()).expect("fewer contacts than u32 counts");
-    (stabilisation.contacts == Correction::Post && (0..n_contacts).any(penetrates))
-        || (stabilisation.joints == Correction::Post && (0..context.scene.joints.len()).any(drifts))
+    (contacts == Correction::Post && (0..n_contacts).any(penetrates))
+        || (context.mends_joints && (0..context.scene.joints.len()).any(drifts))
 }
 
 fn check_input(scene: &Scene, state: &State, control: &[f64]) -> Result<(), StepError> {

@@ -8,7 +8,7 @@
 use nalgebra::{Vector2, Vector3, Vector4, Vector6};
 use tangency_collision::pose;
 use tangency_core::rhs::Rhs;
-use tangency_core::row::{RowContext, RowGeometry, RowSource, Stage};
+use tangency_core::row::{RowContext, RowGeometry, RowSource};
 use tangency_core::{Control, IslandRecord, JointRow, Param, Scene};
 
 use crate::contact_row::{self, ContactBars};
@@ -25,6 +25,7 @@ pub(crate) fn vjp(
     contacts: &mut ContactBars,
     bars: &mut Bars<'_>,
 ) {
+    let context = &RowContext { stage: island.stage, ..*context };
     for (body, mass_bar) in island.bodies.iter().zip(&problem_bar.mass) {
         bars.scene.bodies[*body as usize].mass += mass_bar;
     }
@@ -64,6 +65,7 @@ pub(crate) fn jvp(
     momentum: &[Vector3<f64>],
     along: &Direction<'_>,
 ) -> LcpVector {
+    let context = &RowContext { stage: island.stage, ..*context };
     let bodies = || island.bodies.iter().map(|b| *b as usize);
     let mut change = LcpVector::zeros(&island.problem);
     change.mass = bodies().map(|b| along.scene.bodies[b].mass).collect();
@@ -82,7 +84,7 @@ pub(crate) fn jvp(
             d_speed += part;
             if context.scene.is_dynamic(body) {
                 row.jacobian[side] = dj_side;
-            } else if context.stage == Stage::Velocity {
+            } else if context.stage.is_velocity() {
                 d_driven += part;
             }
         }
@@ -109,7 +111,7 @@ fn pull_speed(
         let mut rate = speed_bar;
         if context.scene.is_dynamic(body) {
             *j_bar += bar.jacobian[side];
-        } else if context.stage == Stage::Velocity {
+        } else if context.stage.is_velocity() {
             rate -= bar.rhs;
         }
         *j_bar += context.v[body] * rate;

@@ -15,6 +15,7 @@ mod contact_row;
 mod island;
 mod joint_row;
 mod momentum;
+mod softening;
 mod vector;
 // steps and rollouts,
 mod error;

@@ -15,7 +15,7 @@ use crate::error::DiffError;
 use crate::lcp::{lcp_jvp, lcp_vjp};
 use crate::report::GradientReport;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
-use crate::{island, momentum};
+use crate::{island, momentum, softening};
 
 /// Pulls `after_bar` = ∂L/∂(state after the step) back: returns ∂L/∂(state before), and adds to
 /// `control` (one number per channel), `out` and `report`.
@@ -105,7 +105,7 @@ fn velocity_context<'a>(
 ) -> RowContext<'a> {
     let (q, v, stage) = (&before.q, &before.v, Stage::Velocity);
     let (control, contacts) = (&record.control, &record.contacts);
-    RowContext { scene, stage, q, v, control, contacts }
+    RowContext { scene, stage, q, v, control, contacts, mends_joints: false }
 }
 
 fn post_context<'a>(
@@ -114,8 +114,8 @@ fn post_context<'a>(
     post: &'a PostRecord,
 ) -> RowContext<'a> {
     let (q, v, stage) = (&post.moved, &record.after.v, Stage::Post);
-    let (control, contacts) = (&record.control, &post.contacts);
-    RowContext { scene, stage, q, v, control, contacts }
+    let (control, contacts, mends_joints) = (&record.control, &post.contacts, post.mends_joints);
+    RowContext { scene, stage, q, v, control, contacts, mends_joints }
 }
 
 /// q⁺ = q̃ + dt w: turns the gradient by q⁺ into that by q̃.
@@ -135,8 +135,12 @@ fn post_vjp(
             bars.scene.dt += seed.dot(w);
             *seed *= scene.dt();
         }
-        let (problem_bar, lcp_report) = lcp_vjp(&island.problem, &island.solution, &seed, None)?;
+        let (mut problem_bar, lcp_report) =
+            lcp_vjp(&island.problem, &island.solution, &seed, None)?;
         report.add(island, &lcp_report);
+        if island.stage == Stage::SoftPost {
+            softening::vjp(&island.problem, &mut problem_bar);
+        }
         island::vjp(&context, island, &problem_bar, &mut contacts, bars);
     }
     contacts.pull_back(&context, bars);
@@ -157,7 +161,10 @@ fn post_jvp(
     let contacts = contact_changes(&context, &direction);
     let still = vec![Vector3::zeros(); d_moved.q.len()];
     for island in &post.islands {
-        let change = island::jvp(&context, island, &contacts, &still, &direction);
+        let mut change = island::jvp(&context, island, &contacts, &still, &direction);
+        if island.stage == Stage::SoftPost {
+            softening::jvp(&island.problem, &mut change);
+        }
         let (dw, _) = lcp_jvp(&island.problem, &island.solution, &change)?;
         for ((body, dw), w) in island.bodies.iter().zip(&dw).zip(&island.solution.velocities) {
             d_after.q[*body as usize] += dw * scene.dt() + w * along.dt;

@@ -29,11 +29,8 @@ pub(crate) fn conflict(problem: &Lcp, settings: &InteriorPoint) -> Option<f64> {
 /// Greatest violation of the equality and unilateral rows, without friction and motors, when each
 /// gives way by ε Wᵢᵢ per impulse.
 fn violation(problem: &Lcp, settings: &InteriorPoint, softness: f64) -> Option<f64> {
-    let metric = Metric::new(problem);
     let mut softened = problem.clone();
-    for (row, root) in softened.rows.iter_mut().zip(&metric.root) {
-        row.compliance += softness * root * root;
-    }
+    softened.soften(|_| softness);
     softened.rows.retain(|row| matches!(row.law, Law::Equality | Law::Unilateral));
     // Impulses grow like 1/ε, and rounding with them.
     let settings =

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::{Lcp, NO_BODY, Row};
+use crate::{Law, Lcp, NO_BODY, Row};
 
 impl Row {
     /// The blocks that belong to a body: (body index, 1 × 3 block).
@@ -75,6 +75,14 @@ impl Lcp {
             row.blocks().map(|(body, J)| J.component_div(&self.mass[body]).dot(J)).sum();
         let weight = rigid + row.compliance;
         if weight > 0.0 { weight } else { 1.0 }
+    }
+
+    /// Lets rows give way: cᵢ ← cᵢ + `softness`(law) Wᵢᵢ. Rows of a softness above zero cannot
+    /// contradict any others.
+    pub fn soften(&mut self, softness: impl Fn(Law) -> f64) {
+        for i in 0..self.rows.len() {
+            self.rows[i].compliance += softness(self.rows[i].law) * self.row_weight(i);
+        }
     }
 
     /// Dense Delassus form u = W λ + q: W = J M⁻¹ Jᵀ + diag(c), m × m; q = J M⁻¹ p − b, m.
