@@ -7,6 +7,7 @@
 //! the trait that backends implement; the paper's dense form.
 
 mod active_set;
+mod amplification;
 mod band;
 mod box_form;
 mod delassus;
