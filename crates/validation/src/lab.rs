@@ -219,4 +219,31 @@ impl<'a> Lab<'a> {
         }
         Ok(reverse)
     }
+
+    /// Derivatives of a number of the last state where plain stepping converges: by steps of a
+    /// millisecond within 2e-2, or 1e-9 where nothing changes, and by the recommended stepping within
+    /// `part`.
+    ///
+    /// # Errors
+    /// [`Stop`] where a step has no derivative.
+    pub fn slopes(
+        &mut self,
+        what: &str,
+        (def, duration): (&SceneDef, f64),
+        pick: impl Fn(&mut StateVector),
+        entries: &[(&str, Direction<'_>, f64)],
+        part: f64,
+    ) -> Result<(), Stop> {
+        let plain = self.run(&SceneDef { dt: 1e-3, ..def.clone() }, duration)?;
+        let fine = self.run(&recommended(def.clone()), duration)?;
+        let seed = plain.pick(pick);
+        for (by, direction, exact) in entries {
+            let tolerance = if *exact == 0.0 { 1e-9 } else { 2e-2 * exact.abs() };
+            let found = self.slope(&plain, &seed, direction)?;
+            self.near(format!("d{what}/d{by}"), found, *exact, tolerance);
+            let found = self.slope(&fine, &seed, direction)?;
+            self.fine_slope(format!("d{what}/d{by}, exact"), found, *exact, part);
+        }
+        Ok(())
+    }
 }

@@ -43,6 +43,14 @@ impl Run {
         self.tape.states().position(|state| holds(state))
     }
 
+    /// Times at which a quantity changes sign, between two states in proportion, s.
+    #[must_use]
+    pub fn crossings(&self, quantity: impl Fn(&State) -> f64) -> Vec<f64> {
+        let points: Vec<_> = self.tape.states().map(|s| (s.time, quantity(s))).collect();
+        let changes = points.windows(2).filter(|p| p[0].1 != 0.0 && p[0].1 * p[1].1 <= 0.0);
+        changes.map(|p| p[0].0 + (p[1].0 - p[0].0) * p[0].1 / (p[0].1 - p[1].1)).collect()
+    }
+
     /// The worst of a quantity over all states.
     #[must_use]
     pub fn worst(&self, quantity: impl FnMut(&State) -> f64) -> f64 {

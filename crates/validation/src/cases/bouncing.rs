@@ -1,0 +1,200 @@
+//! Discs that bounce: to rest, and for ever.
+
+use tangency_bench::scenes::{billiard, falling_disc};
+use tangency_core::{Param, SceneDef, State};
+
+use crate::lab::{recommended, steps};
+use crate::run::{Run, by_restitution};
+use crate::{Case, Lab, Part, Stop};
+
+pub(crate) const CASES: &[Case] = &[
+    Case {
+        id: "V04",
+        title: "Bouncing and coming to rest",
+        parts: &[
+            Part::new("motion", bounce),
+            Part::new("recommended stepping", bounce_fine),
+            Part::new("derivatives", bounce_derivatives),
+        ],
+    },
+    Case {
+        id: "V10",
+        title: "Billiard",
+        parts: &[
+            Part::new("ten seconds", ten_seconds),
+            Part::new("a hundred seconds", hundred_seconds),
+            Part::new("into a corner", corner),
+            Part::new("derivatives", billiard_derivatives),
+        ],
+    },
+];
+
+const BALL: usize = 1;
+const FIRST_IMPACT: f64 = 0.451_523_640_985_730_9;
+const REST: f64 = 4.063_712_768_871_578_1;
+/// Time, gap, impacts so far.
+const GAPS: [(f64, f64, usize); 4] = [
+    (1.0, 0.468_004_452_526_036_31, 1),
+    (2.0, 0.260_741_728_327_057_2, 3),
+    (3.0, 0.068_707_460_965_765_722, 6),
+    (4.0, 7.767_499_142_788_777_5e-5, 19),
+];
+
+fn drop(dt: f64) -> SceneDef {
+    SceneDef { dt, ..falling_disc(1.0, 0.8) }
+}
+
+fn gap(state: &State) -> f64 {
+    state.q[BALL].y - 0.1
+}
+
+/// Times of the states from which the ball rises after it fell.
+fn impacts(run: &Run) -> Vec<f64> {
+    let states: Vec<_> = run.tape.states().collect();
+    let turns = states.windows(2).filter(|s| s[0].v[BALL].y < 0.0 && s[1].v[BALL].y > 0.0);
+    turns.map(|s| s[1].time).collect()
+}
+
+fn impacts_until(run: &Run, time: f64) -> f64 {
+    impacts(run).iter().filter(|impact| **impact <= time).count() as f64
+}
+
+/// The last time at which the ball moves faster than this.
+fn moves_until(run: &Run, speed: f64) -> f64 {
+    run.tape.states().filter(|s| s.v[BALL].y.abs() > speed).last().map_or(0.0, |s| s.time)
+}
+
+fn bounce(lab: &mut Lab<'_>) -> Result<(), Stop> {
+    for dt in [4e-3, 1e-3, 1e-4] {
+        let run = lab.run(&drop(dt), 5.0)?;
+        lab.near("first impact", impacts(&run)[0], FIRST_IMPACT, 8.0 * dt);
+        for (t, exact, _) in GAPS {
+            lab.near(format!("gap({t}) at dt={dt}"), gap(run.at(t)), exact, 8.0 * dt);
+        }
+        for (t, _, count) in GAPS {
+            lab.near(format!("impacts until {t}, dt={dt}"), impacts_until(&run, t), count as f64, 0.0);
+        }
+        lab.near(format!("{dt} moves until"), moves_until(&run, 2e-2), REST, 8.0*dt);
+        lab.near(format!("{dt} moves until"), moves_until(&run, 1e-6), REST, 8.0*dt);
+        lab.at_most("gap at 5 s", gap(run.last()), 1e-4);
+        lab.at_most("speed at 5 s", run.last().v[BALL].y.abs(), 2e-2);
+        lab.near("energy growth", growth(&run), 0.0, 1e-12);
+    }
+    for (t, exact, _) in GAPS {
+        lab.order(&format!("gap({t})"), 0.7, |lab, dt| Ok(gap(lab.run(&drop(dt), t)?.last()) - exact))?;
+    }
+    Ok(())
+}
+
+/// The greatest rise of the energy in a step.
+fn growth(run: &Run) -> f64 {
+    let energies: Vec<f64> = run.tape.states().map(|s| run.scene.energy(s)).collect();
+    energies.windows(2).map(|e| e[1] - e[0]).fold(0.0, f64::max)
+}
+
+fn bounce_fine(_lab: &mut Lab<'_>) -> Result<(), Stop> {
+    Ok(())
+}
+
+fn bounce_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
+    let (height, e, g) =
+        ([(Param::Position(BALL, 1), 1.0)], by_restitution(0, BALL), [(Param::Gravity(1), -1.0)]);
+    let entries: [(&str, &[(Param, f64)], f64); 3] = [
+        ("height", &height, 0.426_610_864_163_528_6),
+        ("e", &e, 2.499_324_113_317_087_3),
+        ("g", &g, -0.016_908_168_790_669_868),
+    ];
+    for (t, scale) in [(2.0, 1.0), (5.0, 0.0)] {
+        let run = lab.run(&recommended(falling_disc(1.0, 0.8)), t)?;
+        let seed = run.pick(|s| s.q[BALL].y = 1.0);
+        for (by, direction, exact) in entries {
+            let exact = scale * exact;
+            let found = lab.slope(&run, &seed, direction)?;
+            let tolerance = if exact == 0.0 { 1e-6 } else { 1e-6 * exact.abs() };
+            lab.impact(format!("dgap({t})/d{by}"), found, exact, tolerance);
+        }
+    }
+    Ok(())
+}
+
+const DISC: usize = 4;
+const START: [f64; 2] = [0.3, 0.4];
+const VELOCITY: [f64; 2] = [1.7, 1.1];
+
+fn table() -> SceneDef {
+    SceneDef { dt: 1e-3, ..billiard(START, VELOCITY) }
+}
+
+/// What is measured along the way.
+struct Tour {
+    last: State,
+    impacts: [usize; 2],
+    speed_error: f64,
+}
+
+fn tour(lab: &mut Lab<'_>, def: &SceneDef, duration: f64) -> Result<Tour, Stop> {
+    let (mut before, mut impacts, mut speed_error) = (VELOCITY, [0; 2], 0.0_f64);
+    let exact = VELOCITY[0].hypot(VELOCITY[1]);
+    let last = lab.watch(def, steps(duration, def.dt), |_, record| {
+        let v = record.after.v[DISC];
+        for axis in [0, 1] {
+            impacts[axis] += usize::from(before[axis] * v[axis] < 0.0);
+        }
+        (before, speed_error) = ([v.x, v.y], speed_error.max((v.xy().norm() - exact).abs()));
+    })?;
+    Ok(Tour { last, impacts, speed_error })
+}
+
+fn ten_seconds(lab: &mut Lab<'_>) -> Result<(), Stop> {
+    for dt in [4e-3, 1e-3] {
+        let Tour { last, impacts, speed_error } =
+            tour(lab, &SceneDef { dt, ..table() }, 10.0)?;
+        let [x, y] = [last.q[DISC].x, last.q[DISC].y];
+        lab.near(format!("x(10) at dt={dt}"), x, 1.8, 80.0 * dt);
+        lab.near(format!("y(10) at dt={dt}"), y, 0.6, 80.0 * dt);
+        lab.near(format!("impacts with sides until 10 s, dt={dt}"), impacts[0] as f64, 9.0, 0.0);
+        lab.near(format!("impacts with floor and ceiling, dt={dt}"), impacts[1] as f64, 12.0, 0.0);
+        lab.near("speed error over 10 s", speed_error, 0.0, 1e-12);
+    }
+    lab.order("position(10)", 0.7, |lab, dt| {
+        let last = tour(lab, &SceneDef { dt, ..table() }, 10.0)?.last;
+        Ok((last.q[DISC].x - 1.8).hypot(last.q[DISC].y - 0.6))
+    })
+}
+
+fn hundred_seconds(lab: &mut Lab<'_>) -> Result<(), Stop> {
+    let Tour { last, impacts, speed_error } = tour(lab, &recommended(table()), 100.0)?;
+    lab.fine("x(100)", last.q[DISC].x, 0.8, 1e-9);
+    lab.fine("y(100)", last.q[DISC].y, 0.6, 1e-9);
+    lab.fine("impacts with sides until 100 s", impacts[0] as f64, 89.0, 0.0);
+    lab.fine("impacts with floor and ceiling until 100 s", impacts[1] as f64, 122.0, 0.0);
+    lab.near("speed error over 100 s", speed_error, 0.0, 1e-12);
+    Ok(())
+}
+
+/// Both walls are reached at 0.5 s, so that the disc returns to where it came from at 1 s.
+fn corner(lab: &mut Lab<'_>) -> Result<(), Stop> {
+    let scene = billiard([1.95 - 0.5, 0.95 - 0.25], [1.0, 0.5]);
+    for dt in [1e-2, 1e-3] {
+        let run = lab.run(&SceneDef { dt, ..scene.clone() }, 1.0)?;
+        let v = run.last().v[DISC];
+        lab.near(format!("vx after a corner, dt={dt}"), v.x, -1.0, 1e-12);
+        lab.near(format!("vy after a corner, dt={dt}"), v.y, -0.5, 1e-12);
+    }
+    let fine = lab.run(&recommended(scene), 1.0)?;
+    let back = (fine.last().q[DISC] - fine.tape.initial.q[DISC]).norm();
+    lab.fine("distance from the start after a corner", back, 0.0, 1e-9);
+    Ok(())
+}
+
+fn billiard_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
+    let run = lab.run(&recommended(table()), 10.0)?;
+    for (axis, name, sign) in [(0, "x", -1.0), (1, "y", 1.0)] {
+        let seed = run.pick(|s| s.q[DISC][axis] = 1.0);
+        let place = lab.slope(&run, &seed, &[(Param::Position(DISC, axis), 1.0)])?;
+        lab.impact(format!("d{name}/d{name}0"), place, sign, 1e-6);
+        let speed = lab.slope(&run, &seed, &[(Param::Velocity(DISC, axis), 1.0)])?;
+        lab.impact(format!("d{name}/dv{name}"), speed, 10.0 * sign, 1e-5);
+    }
+    Ok(())
+}
