@@ -240,9 +240,9 @@ impl<'a> Lab<'a> {
         for (by, direction, exact) in entries {
             let tolerance = if *exact == 0.0 { 1e-9 } else { 2e-2 * exact.abs() };
             let found = self.slope(&plain, &seed, direction)?;
-            self.near(format!("d{what}/d{by}"), found, *exact, tolerance);
+            self.near(format!("d/d{by} of {what}"), found, *exact, tolerance);
             let found = self.slope(&fine, &seed, direction)?;
-            self.fine_slope(format!("d{what}/d{by}, exact"), found, *exact, part);
+            self.fine_slope(format!("d/d{by} of {what}, exact"), found, *exact, part);
         }
         Ok(())
     }

@@ -22,19 +22,13 @@ pub(crate) const CASES: &[Case] = &[Case {
 }];
 
 /// Velocities after one step of a scene that begins in contact, at several time steps.
-fn check(
-    lab: &mut Lab<'_>,
-    what: &str,
-    def: &SceneDef,
-    expected: &[[f64; 3]],
-) -> Result<(), Stop> {
+fn check(lab: &mut Lab<'_>, what: &str, def: &SceneDef, expected: &[[f64; 3]]) -> Result<(), Stop> {
     for dt in [1e-4, 1e-2, 0.1] {
         let run = lab.run_steps(&SceneDef { dt, ..def.clone() }, 1)?;
         let moving = (0..run.scene.bodies().len()).filter(|i| run.scene.is_dynamic(*i));
         for (body, exact) in moving.zip(expected) {
             let name = &run.scene.bodies()[body].name;
-            for (axis, exact) in ["vx", "vy", "w"].iter().zip(exact).enumerate() {
-                let (axis_name, exact) = exact;
+            for (axis, (axis_name, exact)) in ["vx", "vy", "w"].iter().zip(exact).enumerate() {
                 let found = run.last().v[body][axis];
                 lab.near(format!("{what} {name} {axis_name}, dt={dt}"), found, *exact, 1e-10);
             }
@@ -123,15 +117,20 @@ fn oblique_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
         for (axis, name) in ["x", "y"].iter().enumerate() {
             let seed = fine.pick(|s| s.q[1][axis] = 1.0);
             let found = lab.slope(&fine, &seed, direction)?;
-            lab.impact(format!("(b) d{name}/d{by}"), found, exact[axis], 1e-6 * exact[axis].abs());
+            lab.impact(
+                format!("d/d{by} of {name} of disc 1 at T=1 in (b)"),
+                found,
+                exact[axis],
+                1e-6 * exact[axis].abs(),
+            );
         }
     }
     let after = [0.439_951_905_283_832_90, 0.254_006_350_946_109_66];
     let (e, mass) = (by_restitution(0, 1), [(Param::Mass(1), 1.0)]);
     for (axis, name) in ["x", "y"].iter().enumerate() {
         let entries: [(&str, &[(Param, f64)], f64); 2] =
-            [("e", &e, after[axis]), ("m of the other", &mass, -after[axis])];
-        let what = format!("{name} of the other in (b), ");
+            [("e", &e, after[axis]), ("m", &mass, -after[axis])];
+        let what = format!("{name} of disc 1 at T=1 in (b)");
         lab.slopes(&what, (&apart(), 1.0), |s| s.q[1][axis] = 1.0, &entries, 1e-6)?;
     }
     Ok(())

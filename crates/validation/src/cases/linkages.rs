@@ -21,11 +21,36 @@ pub(crate) const CASES: &[Case] = &[Case {
 
 const START: f64 = 1.2;
 const T: f64 = 3.0;
-/// Cranks, angle at T from hanging, period, d angle(T)/d(start).
-const CRANKS: [(usize, f64, f64, f64); 3] = [
-    (2, -1.198_471_068_689_249_5, 2.011_130_048_803_699_9, -0.909_438_091_648_851_21),
-    (3, -1.188_816_387_291_319_7, 1.970_496_970_379_078_1, -1.238_721_895_752_345_6),
-    (10, -0.971_480_744_352_383_41, 1.872_260_184_048_774_1, -1.973_172_767_755_530_8),
+
+/// What n cranks do.
+struct Cranks {
+    n: usize,
+    /// Angle from hanging and rate at T.
+    state: [f64; 2],
+    period: f64,
+    /// d angle(T)/d(start).
+    by_start: f64,
+}
+
+const CRANKS: [Cranks; 3] = [
+    Cranks {
+        n: 2,
+        state: [-1.198_471_068_689_249_5, -0.183_141_405_264_788_92],
+        period: 2.011_130_048_803_699_9,
+        by_start: -0.909_438_091_648_851_21,
+    },
+    Cranks {
+        n: 3,
+        state: [-1.188_816_387_291_319_7, 0.505_051_320_546_056_0],
+        period: 1.970_496_970_379_078_1,
+        by_start: -1.238_721_895_752_345_6,
+    },
+    Cranks {
+        n: 10,
+        state: [-0.971_480_744_352_383_41, 2.340_929_034_461_865_0],
+        period: 1.872_260_184_048_774_1,
+        by_start: -1.973_172_767_755_530_8,
+    },
 ];
 
 fn scene(n: usize, dt: f64) -> SceneDef {
@@ -34,7 +59,7 @@ fn scene(n: usize, dt: f64) -> SceneDef {
 
 /// 4n rows, 3n + 2 of them independent: three for every crank and the coupler but for one.
 fn rows(lab: &mut Lab<'_>) -> Result<(), Stop> {
-    for (n, ..) in CRANKS {
+    for Cranks { n, .. } in CRANKS {
         let record = lab.first_step(&scene(n, 1e-3))?;
         let problem = &record.islands[0].problem;
         let (rows, rank) = (problem.rows.len(), jacobian(problem).rank(1e-9));
@@ -62,7 +87,7 @@ fn spread(state: &State, n: usize) -> f64 {
 }
 
 fn motion(lab: &mut Lab<'_>) -> Result<(), Stop> {
-    for (n, exact, lasts, _) in CRANKS {
+    for Cranks { n, state: [exact, rate], period: lasts, .. } in CRANKS {
         for dt in [4e-3, 1e-3] {
             let run = lab.run(&scene(n, dt), T)?;
             lab.near(format!("angle(3), n={n}, dt={dt}"), angle(run.last(), 0), exact, 3.0 * dt);
@@ -70,8 +95,10 @@ fn motion(lab: &mut Lab<'_>) -> Result<(), Stop> {
             let apart = run.worst(|s| spread(s, n));
             lab.near(format!("spread of the cranks, n={n}, dt={dt}"), apart, 0.0, 1e-9);
         }
-        lab.order(&format!("angle(3), n={n}"), 0.9, |lab, dt| {
-            Ok(angle(lab.run(&scene(n, dt), T)?.last(), 0) - exact)
+        // The angle alone stands near its turning point, where the first order is nearly lost.
+        lab.order(&format!("angle and rate, n={n}"), 0.9, |lab, dt| {
+            let run = lab.run(&scene(n, dt), T)?;
+            Ok((angle(run.last(), 0) - exact).hypot(run.last().v[0].z - rate))
         })?;
         let fine = lab.run(&recommended(scene(n, 1e-3)), T)?;
         lab.fine(format!("angle(3), n={n}"), angle(fine.last(), 0), exact, 1e-5);
@@ -92,10 +119,10 @@ fn by_start(n: usize) -> Vec<(Param, f64)> {
 }
 
 fn derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
-    for (n, _, _, exact) in CRANKS {
+    for Cranks { n, by_start: exact, .. } in CRANKS {
         let start = by_start(n);
         let entries: [(&str, &[(Param, f64)], f64); 1] = [("(start)", &start, exact)];
-        let what = format!(" angle(3), n={n}, ");
+        let what = format!("angle(3), n={n}");
         lab.slopes(&what, (&scene(n, 1e-3), T), |s| s.q[0].z = 1.0, &entries, 1e-3)?;
     }
     Ok(())

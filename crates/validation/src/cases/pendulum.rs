@@ -11,13 +11,13 @@ use crate::run::Run;
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
-        id: "V02",
-        title: "Large pendulum",
-        parts: &[
-            Part::new("motion", motion),
-            Part::new("energy and hinge", energy_and_hinge),
-            Part::new("derivatives", derivatives),
-        ],
+    id: "V02",
+    title: "Large pendulum",
+    parts: &[
+        Part::new("motion", motion),
+        Part::new("energy and hinge", energy_and_hinge),
+        Part::new("derivatives", derivatives),
+    ],
 }];
 
 const START: f64 = 2.5;
@@ -74,7 +74,12 @@ fn motion(lab: &mut Lab<'_>) -> Result<(), Stop> {
 fn energy_and_hinge(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for dt in [4e-3, 1e-3] {
         let run = lab.run(&swing(dt), 10.0)?;
-        lab.near("energy at the start", run.scene.energy(&run.tape.initial), ENERGY, 1e-12);
+        lab.near(
+            format!("energy at the start, dt={dt}"),
+            run.scene.energy(&run.tape.initial),
+            ENERGY,
+            1e-12,
+        );
         let [energy, drift] = defects(&run);
         lab.at_most(format!("energy error over 10 s at dt={dt}"), energy, 30.0 * dt);
         lab.at_most(format!("hinge gap at dt={dt}"), drift, 100.0 * dt * dt);

@@ -60,7 +60,7 @@ fn descent(lab: &mut Lab<'_>) -> Result<(), Stop> {
             let run = lab.run(&incline(friction, dt), T)?;
             lab.near(format!("x, mu={friction}, dt={dt}"), travel(&run), x, 3.0 * dt);
             let w = run.last().v[DISC].z.abs();
-            lab.near(format!("|w|, mu={friction}, dt={dt}"), w, rate, 1e-10);
+            lab.near(format!("rate, mu={friction}, dt={dt}"), w, rate, 1e-10);
             if friction > 0.2 {
                 let slip = run.worst(|s| slip(s, slope_angle()).abs());
                 lab.near(format!("rolling contact point's speed, dt={dt}"), slip, 0.0, 1e-10);
@@ -72,7 +72,7 @@ fn descent(lab: &mut Lab<'_>) -> Result<(), Stop> {
         })?;
         let fine = lab.run(&recommended(incline_disc(friction)), T)?;
         lab.fine(format!("x, mu={friction}"), travel(&fine), x, 1e-9);
-        lab.fine(format!("|w|, mu={friction}"), fine.last().v[DISC].z.abs(), rate, 1e-9);
+        lab.fine(format!("rate, mu={friction}"), fine.last().v[DISC].z.abs(), rate, 1e-9);
     }
     Ok(())
 }
@@ -102,7 +102,7 @@ fn descent_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for (mu, by_friction) in [(0.05, -10.370_682_686_148_481), (0.3, 0.0)] {
         let entries: [(&str, &[(Param, f64)], f64); 2] =
             [("mu", &friction, by_friction), ("R", &radius, 0.0)];
-        let what = format!("x at mu={mu}, ");
+        let what = format!("x, mu={mu}");
         let pick = |s: &mut tangency_diff::StateVector| {
             (s.q[DISC].x, s.q[DISC].y) = (-cos, -sin);
         };
