@@ -6,7 +6,7 @@ use tangency_core::{
 use tangency_diff::StateVector;
 use tangency_lcp::{LcpSolver, RawSolver};
 
-use crate::run::{Direction, Run};
+use crate::run::{Direction, Run, Slope};
 use crate::{Backend, Figure, Grade, Relation, Stop, Tally, Verdict};
 
 /// One backend at one case: runs, and the figures so far.
@@ -226,12 +226,12 @@ impl<'a> Lab<'a> {
     ///
     /// # Errors
     /// [`Stop`] where a step has no derivative.
-    pub fn slopes(
+    pub(crate) fn slopes(
         &mut self,
         what: &str,
         (def, duration): (&SceneDef, f64),
         pick: impl Fn(&mut StateVector),
-        entries: &[(&str, Direction<'_>, f64)],
+        entries: &[Slope<'_>],
         part: f64,
     ) -> Result<(), Stop> {
         let plain = self.run(&SceneDef { dt: 1e-3, ..def.clone() }, duration)?;

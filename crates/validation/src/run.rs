@@ -6,6 +6,9 @@ use tangency_diff::{DiffError, Gradient, RolloutVector, StateVector, gradient, t
 /// Numbers of a scene and the rates at which they change.
 pub type Direction<'a> = &'a [(Param, f64)];
 
+/// What a derivative is by, how that changes the scene, and what it should be.
+pub(crate) type Slope<'a> = (&'a str, Direction<'a>, f64);
+
 /// A scene and its rollout.
 #[derive(Clone, Debug)]
 pub struct Run {

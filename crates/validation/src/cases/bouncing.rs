@@ -4,7 +4,7 @@ use tangency_bench::scenes::{billiard, falling_disc};
 use tangency_core::{Param, SceneDef, State};
 
 use crate::lab::{recommended, steps};
-use crate::run::{Run, by_restitution};
+use crate::run::{Run, Slope, by_restitution};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[
@@ -127,7 +127,7 @@ fn bounce_fine(lab: &mut Lab<'_>) -> Result<(), Stop> {
 fn bounce_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let (height, e, g) =
         ([(Param::Position(BALL, 1), 1.0)], by_restitution(0, BALL), [(Param::Gravity(1), -1.0)]);
-    let entries: [(&str, &[(Param, f64)], f64); 3] = [
+    let entries: [Slope<'_>; 3] = [
         ("height", &height, 0.426_610_864_163_528_6),
         ("e", &e, 2.499_324_113_317_087_3),
         ("g", &g, -0.016_908_168_790_669_868),

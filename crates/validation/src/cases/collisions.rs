@@ -5,7 +5,7 @@ use tangency_bench::scenes::{head_on, line_collision, oblique_collision, rod_hit
 use tangency_core::{Param, SceneDef, State};
 
 use crate::lab::recommended;
-use crate::run::{Run, by_restitution};
+use crate::run::{Run, Slope, by_restitution};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -41,7 +41,7 @@ fn line(lab: &mut Lab<'_>) -> Result<(), Stop> {
     check(lab, "(a)", &line_collision(), &[[-0.5, 0.0, 0.0], [2.0, 0.0, 0.0]])?;
     let run = lab.run_steps(&line_collision(), 1)?;
     let seed = run.pick(|s| s.v[0].x = 1.0);
-    let entries: [(&str, &[(Param, f64)], f64); 5] = [
+    let entries: [Slope<'_>; 5] = [
         ("m1", &[(Param::Mass(0), 1.0)], 0.9),
         ("m2", &[(Param::Mass(1), 1.0)], -0.6),
         ("e", &by_restitution(0, 1), -3.0),
@@ -128,8 +128,7 @@ fn oblique_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let after = [0.439_951_905_283_832_90, 0.254_006_350_946_109_66];
     let (e, mass) = (by_restitution(0, 1), [(Param::Mass(1), 1.0)]);
     for (axis, name) in ["x", "y"].iter().enumerate() {
-        let entries: [(&str, &[(Param, f64)], f64); 2] =
-            [("e", &e, after[axis]), ("m", &mass, -after[axis])];
+        let entries: [Slope<'_>; 2] = [("e", &e, after[axis]), ("m", &mass, -after[axis])];
         let what = format!("{name} of disc 1 at T=1 in (b)");
         lab.slopes(&what, (&apart(), 1.0), |s| s.q[1][axis] = 1.0, &entries, 1e-6)?;
     }

@@ -7,6 +7,7 @@ use tangency_core::{Param, SceneDef, State};
 
 use super::pendulum::{angle, period};
 use crate::lab::recommended;
+use crate::run::Slope;
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -121,7 +122,7 @@ fn by_start(n: usize) -> Vec<(Param, f64)> {
 fn derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for Cranks { n, by_start: exact, .. } in CRANKS {
         let start = by_start(n);
-        let entries: [(&str, &[(Param, f64)], f64); 1] = [("(start)", &start, exact)];
+        let entries: [Slope<'_>; 1] = [("(start)", &start, exact)];
         let what = format!("angle(3), n={n}");
         lab.slopes(&what, (&scene(n, 1e-3), T), |s| s.q[0].z = 1.0, &entries, 1e-3)?;
     }

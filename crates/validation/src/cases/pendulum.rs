@@ -7,7 +7,7 @@ use tangency_core::{Param, SceneDef, State};
 
 use super::held_impulse;
 use crate::lab::recommended;
-use crate::run::Run;
+use crate::run::{Run, Slope};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -121,7 +121,7 @@ fn derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
         (Param::Inertia(0), 2.0 * slender_inertia(1.0, 1.0)),
     ];
     let mass = [(Param::Mass(0), 1.0), (Param::Inertia(0), slender_inertia(1.0, 1.0))];
-    let entries: [(&str, &[(Param, f64)], f64); 4] = [
+    let entries: [Slope<'_>; 4] = [
         ("(start angle)", &start, -8.067_354_362_055_703_3),
         ("L", &length, -7.262_656_012_358_544_1),
         ("g", &[(Param::Gravity(1), -1.0)], 0.740_331_907_477_935_18),

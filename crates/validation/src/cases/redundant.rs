@@ -5,7 +5,7 @@ use tangency_core::{Param, SceneDef};
 
 use super::{contact_sums, held_impulse};
 use crate::lab::recommended;
-use crate::run::{Run, by_friction};
+use crate::run::{Run, Slope, by_friction};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -79,13 +79,13 @@ fn derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
         let run = lab.run(&scene(k, 1e-2), T)?;
         let seed = run.pick(|s| s.q[BOX].x = 1.0);
         // Sums over the steps until the stop.
-        let entries: [(&str, &[(Param, f64)], f64); 3] =
+        let entries: [Slope<'_>; 3] =
             [("mu", &friction, -5.053_131), ("v0", &speed, 1.01), ("m", &mass, 0.0)];
         for (by, direction, exact) in entries {
             let found = lab.slope(&run, &seed, direction)?;
             lab.near(format!("(a) dx/d{by}, k={k}, dt=0.01"), found, exact, 1e-8);
         }
-        let entries: [(&str, &[(Param, f64)], f64); 3] = [
+        let entries: [Slope<'_>; 3] = [
             ("v0", &speed, STOP_TIME),
             ("mu", &friction, -5.096_839_959_225_280_3),
             ("m", &mass, 0.0),

@@ -4,7 +4,7 @@ use tangency_bench::scenes::{incline_disc, sliding_disc};
 use tangency_core::{Param, SceneDef, State};
 
 use crate::lab::recommended;
-use crate::run::{Run, by_friction};
+use crate::run::{Run, Slope, by_friction};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[
@@ -100,8 +100,7 @@ fn descent_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
         (Param::Position(DISC, 1), cos),
     ];
     for (mu, by_friction) in [(0.05, -10.370_682_686_148_481), (0.3, 0.0)] {
-        let entries: [(&str, &[(Param, f64)], f64); 2] =
-            [("mu", &friction, by_friction), ("R", &radius, 0.0)];
+        let entries: [Slope<'_>; 2] = [("mu", &friction, by_friction), ("R", &radius, 0.0)];
         let what = format!("x, mu={mu}");
         let pick = |s: &mut tangency_diff::StateVector| {
             (s.q[DISC].x, s.q[DISC].y) = (-cos, -sin);
@@ -141,10 +140,9 @@ fn roll(lab: &mut Lab<'_>) -> Result<(), Stop> {
 
 fn roll_derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let (friction, speed) = (by_friction(0, DISC), [(Param::Velocity(DISC, 0), 1.0)]);
-    let of_x: [(&str, &[(Param, f64)], f64); 2] =
+    let of_x: [Slope<'_>; 2] =
         [("v0", &speed, 1.514_554_309_661_343_3), ("mu", &friction, -1.449_767_810_624_079_7)];
-    let of_v: [(&str, &[(Param, f64)], f64); 2] =
-        [("v0", &speed, 2.0 / 3.0), ("mu", &friction, 0.0)];
+    let of_v: [Slope<'_>; 2] = [("v0", &speed, 2.0 / 3.0), ("mu", &friction, 0.0)];
     let scene = sliding_disc();
     lab.slopes("x(2)", (&scene, 2.0), |s| s.q[DISC].x = 1.0, &of_x, 1e-6)?;
     lab.slopes("v(2)", (&scene, 2.0), |s| s.v[DISC].x = 1.0, &of_v, 1e-6)
