@@ -3,11 +3,15 @@
 //!
 //! All are plain definitions; whoever uses one may change its fields before building it.
 
+mod billiard;
 mod bodies;
 mod contacts;
 mod joints;
+mod ladder;
+mod linkage;
 mod machines;
 
+pub use billiard::billiard;
 pub use bodies::{
     block, disc, fixed_block, floor, hinge, material, plane, rod, slender_inertia, unit_scene,
 };
@@ -17,4 +21,6 @@ pub use contacts::{
     tipping_box,
 };
 pub use joints::{chain, doubled_hinge, hanging_chain_hit, paper_chain, pendulum};
+pub use ladder::ladder;
+pub use linkage::{double_pendulum, parallelogram};
 pub use machines::{compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart};

@@ -2,14 +2,37 @@
 
 use crate::Case;
 
+mod bouncing;
+mod collisions;
+mod cradle;
+mod double_pendulum;
 mod flight;
 mod incline;
+mod ladder;
+mod linkages;
+mod pendulum;
+mod redundant;
+mod rolling;
 
 /// All cases, by identifier.
 #[must_use]
 pub fn cases() -> Vec<&'static Case> {
-    let mut cases: Vec<&'static Case> =
-        [flight::CASES, incline::CASES].into_iter().flatten().collect();
+    let mut cases: Vec<&'static Case> = [
+        bouncing::CASES,
+        collisions::CASES,
+        cradle::CASES,
+        double_pendulum::CASES,
+        flight::CASES,
+        incline::CASES,
+        ladder::CASES,
+        linkages::CASES,
+        pendulum::CASES,
+        redundant::CASES,
+        rolling::CASES,
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     cases.sort_by_key(|case| case.id);
     cases
 }

@@ -6,7 +6,7 @@ use tangency_core::{
 use tangency_diff::StateVector;
 use tangency_lcp::{LcpSolver, RawSolver};
 
-use crate::run::{Direction, Run};
+use crate::run::{Direction, Run, Slope};
 use crate::{Backend, Figure, Grade, Relation, Stop, Tally, Verdict};
 
 /// One backend at one case: runs, and the figures so far.
@@ -218,5 +218,32 @@ impl<'a> Lab<'a> {
             self.near(name, forward, reverse, 1e-10 * scale);
         }
         Ok(reverse)
+    }
+
+    /// Derivatives of a number of the last state where plain stepping converges: by steps of a
+    /// millisecond within 2e-2, or 1e-9 where nothing changes, and by the recommended stepping within
+    /// `part`.
+    ///
+    /// # Errors
+    /// [`Stop`] where a step has no derivative.
+    pub(crate) fn slopes(
+        &mut self,
+        what: &str,
+        (def, duration): (&SceneDef, f64),
+        pick: impl Fn(&mut StateVector),
+        entries: &[Slope<'_>],
+        part: f64,
+    ) -> Result<(), Stop> {
+        let plain = self.run(&SceneDef { dt: 1e-3, ..def.clone() }, duration)?;
+        let fine = self.run(&recommended(def.clone()), duration)?;
+        let seed = plain.pick(pick);
+        for (by, direction, exact) in entries {
+            let tolerance = if *exact == 0.0 { 1e-9 } else { 2e-2 * exact.abs() };
+            let found = self.slope(&plain, &seed, direction)?;
+            self.near(format!("d/d{by} of {what}"), found, *exact, tolerance);
+            let found = self.slope(&fine, &seed, direction)?;
+            self.fine_slope(format!("d/d{by} of {what}, exact"), found, *exact, part);
+        }
+        Ok(())
     }
 }

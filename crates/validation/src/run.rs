@@ -6,6 +6,9 @@ use tangency_diff::{DiffError, Gradient, RolloutVector, StateVector, gradient, t
 /// Numbers of a scene and the rates at which they change.
 pub type Direction<'a> = &'a [(Param, f64)];
 
+/// What a derivative is by, how that changes the scene, and what it should be.
+pub(crate) type Slope<'a> = (&'a str, Direction<'a>, f64);
+
 /// A scene and its rollout.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -41,6 +44,14 @@ impl Run {
     #[must_use]
     pub fn first(&self, mut holds: impl FnMut(&State) -> bool) -> Option<usize> {
         self.tape.states().position(|state| holds(state))
+    }
+
+    /// Times at which a quantity changes sign, between two states in proportion, s.
+    #[must_use]
+    pub fn crossings(&self, quantity: impl Fn(&State) -> f64) -> Vec<f64> {
+        let points: Vec<_> = self.tape.states().map(|s| (s.time, quantity(s))).collect();
+        let changes = points.windows(2).filter(|p| p[0].1 != 0.0 && p[0].1 * p[1].1 <= 0.0);
+        changes.map(|p| p[0].0 + (p[1].0 - p[0].0) * p[0].1 / (p[0].1 - p[1].1)).collect()
     }
 
     /// The worst of a quantity over all states.

@@ -4,7 +4,7 @@ use tangency_bench::scenes::incline_block;
 use tangency_core::{Param, SceneDef};
 
 use crate::lab::recommended;
-use crate::run::{Run, by_friction};
+use crate::run::{Run, Slope, by_friction};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -75,12 +75,12 @@ fn derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let by_speed = [(Param::Velocity(BLOCK, 0), cos), (Param::Velocity(BLOCK, 1), sin)];
     let by_gravity = [(Param::Gravity(1), -1.0)];
     let friction = by_friction(0, BLOCK);
-    let from_rest: [(&str, &[(Param, f64)], f64); 3] = [
+    let from_rest: [Slope<'_>; 3] = [
         ("mu", &friction, -4.247_854_605_562_671_6),
         ("angle", &by_angle(0.0), 5.474_104_605_562_671_6),
         ("g", &by_gravity, 0.033_493_649_053_890_338),
     ];
-    let thrown: [(&str, &[(Param, f64)], f64); 3] = [
+    let thrown: [Slope<'_>; 3] = [
         ("v0", &by_speed, 0.276_446_828_418_523_14),
         ("mu", &friction, -0.324_633_150_851_300_21),
         ("angle", &by_angle(3.0), -0.193_434_224_928_988_01),
@@ -95,7 +95,7 @@ fn table(
     part: &str,
     def: &SceneDef,
     (duration, sign): (f64, f64),
-    entries: &[(&str, &[(Param, f64)], f64)],
+    entries: &[Slope<'_>],
 ) -> Result<(), Stop> {
     let run = lab.run(def, duration)?;
     let (sin, cos) = slope_angle().sin_cos();
