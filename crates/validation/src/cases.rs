@@ -2,14 +2,42 @@
 
 use crate::Case;
 
+mod consistency;
+mod families;
+mod fast;
 mod flight;
+mod friction;
+mod growth;
+mod impact;
 mod incline;
+mod infeasible;
+mod mixed;
+mod quiet;
+mod raw;
+mod shots;
+mod stopping;
 
 /// All cases, by identifier.
 #[must_use]
 pub fn cases() -> Vec<&'static Case> {
-    let mut cases: Vec<&'static Case> =
-        [flight::CASES, incline::CASES].into_iter().flatten().collect();
+    let mut cases: Vec<&'static Case> = [
+        flight::CASES,
+        incline::CASES,
+        fast::CASES,
+        quiet::CASES,
+        infeasible::CASES,
+        raw::CASES,
+        families::CASES,
+        friction::CASES,
+        impact::CASES,
+        stopping::CASES,
+        shots::CASES,
+        growth::CASES,
+        consistency::CASES,
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     cases.sort_by_key(|case| case.id);
     cases
 }
