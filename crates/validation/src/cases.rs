@@ -12,6 +12,7 @@ mod impact;
 mod incline;
 mod infeasible;
 mod mixed;
+mod questions;
 mod quiet;
 mod raw;
 mod shots;

@@ -1,41 +1,34 @@
 //! Derivatives against each other: reverse mode against forward mode, and both against differences
 //! of the engine's own rollout.
 
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
+
 use tangency_bench::finite_difference::derivative;
-use tangency_bench::scenes::{
-    falling_disc, hanging_chain_hit, hinge, incline_block, line_collision, oblique_collision,
-    pendulum, rod, slender_inertia, sliding_disc, stack,
-};
-use tangency_core::{Param, SceneDef, StepRecord, WORLD, simulate};
+use tangency_core::{Param, StepRecord, simulate};
 use tangency_diff::StateVector;
 use tangency_lcp::LcpSolver;
 
-use crate::run::{Run, by_friction, by_restitution};
+use crate::run::Run;
 use crate::{Case, Lab, Part, Stop};
+
+use super::questions::{self, Question};
 
 pub(crate) const CASES: &[Case] = &[Case {
     id: "V38",
     title: "Self-consistency",
     parts: &[
-        Part::new("V02", |lab| check(lab, &large_pendulum())),
-        Part::new("V04", |lab| check(lab, &bouncing())),
-        Part::new("V05", |lab| check(lab, &incline())),
-        Part::new("V07", |lab| check(lab, &rolling())),
-        Part::new("V09 (a)", |lab| check(lab, &line())),
-        Part::new("V09 (b)", |lab| check(lab, &oblique())),
-        Part::new("V12", |lab| check(lab, &parallelogram())),
-        Part::new("V16 (c)", |lab| check(lab, &chain())),
-        Part::new("V19", |lab| check(lab, &heavy_stack())),
+        Part::new("V02", |lab| check(lab, &questions::large_pendulum())),
+        Part::new("V04", |lab| check(lab, &questions::bouncing())),
+        Part::new("V05", |lab| check(lab, &questions::incline())),
+        Part::new("V07", |lab| check(lab, &questions::rolling())),
+        Part::new("V09 (a)", |lab| check(lab, &questions::line())),
+        Part::new("V09 (b)", |lab| check(lab, &questions::oblique())),
+        Part::new("V12", |lab| check(lab, &questions::parallelogram())),
+        Part::new("V16 (c)", |lab| check(lab, &questions::chain())),
+        Part::new("V19", |lab| check(lab, &questions::heavy_stack())),
         Part::new("checkpoints", checkpoints),
     ],
 }];
-
-/// A run, and what it is differentiated by.
-struct Question {
-    def: SceneDef,
-    duration: f64,
-    by: Vec<(&'static str, Vec<(Param, f64)>)>,
-}
 
 /// No number of the last state is left out: each has its own weight.
 fn weights(run: &Run) -> StateVector {
@@ -107,153 +100,6 @@ fn same_contacts(one: &StepRecord, other: &StepRecord) -> bool {
         record.islands.iter().flat_map(|island| island.solution.modes.clone()).collect()
     };
     acting(one) == acting(other) && modes(one) == modes(other)
-}
-
-fn one(param: Param) -> Vec<(Param, f64)> {
-    vec![(param, 1.0)]
-}
-
-/// Gravity downwards.
-fn gravity() -> Vec<(Param, f64)> {
-    vec![(Param::Gravity(1), -1.0)]
-}
-
-fn large_pendulum() -> Question {
-    let (sin, cos) = 2.5_f64.sin_cos();
-    let turn = vec![
-        (Param::Position(0, 2), 1.0),
-        (Param::Position(0, 0), 0.5 * cos),
-        (Param::Position(0, 1), 0.5 * sin),
-    ];
-    // The inertia m L²/12 and the way from pin to centre follow the length.
-    let length = vec![
-        (Param::Inertia(0), 1.0 / 6.0),
-        (Param::AnchorB(0, 0), -0.5),
-        (Param::Position(0, 0), 0.5 * sin),
-        (Param::Position(0, 1), -0.5 * cos),
-    ];
-    let mass = vec![(Param::Mass(0), 1.0), (Param::Inertia(0), 1.0 / 12.0)];
-    let by = vec![("start angle", turn), ("L", length), ("g", gravity()), ("m", mass)];
-    Question { def: SceneDef { dt: 1e-3, ..pendulum(2.5) }, duration: 2.0, by }
-}
-
-fn bouncing() -> Question {
-    let by = vec![
-        ("height", one(Param::Position(1, 1))),
-        ("speed", one(Param::Velocity(1, 1))),
-        ("e", by_restitution(0, 1).to_vec()),
-        ("g", gravity()),
-        ("r", one(Param::Radius(1, 0))),
-    ];
-    Question { def: SceneDef { dt: 1e-3, ..falling_disc(1.0, 0.8) }, duration: 2.0, by }
-}
-
-fn incline() -> Question {
-    let angle = 30.0_f64.to_radians();
-    let (sin, cos) = angle.sin_cos();
-    let by = vec![
-        ("mu", by_friction(0, 1).to_vec()),
-        ("v0", vec![(Param::Velocity(1, 0), cos), (Param::Velocity(1, 1), sin)]),
-        ("g", gravity()),
-        ("m", one(Param::Mass(1))),
-    ];
-    Question { def: SceneDef { dt: 1e-3, ..incline_block(angle, 0.7, 3.0) }, duration: 0.5, by }
-}
-
-fn rolling() -> Question {
-    let by = vec![
-        ("v0", one(Param::Velocity(1, 0))),
-        ("w0", one(Param::Velocity(1, 2))),
-        ("mu", by_friction(0, 1).to_vec()),
-        ("I", one(Param::Inertia(1))),
-    ];
-    Question { def: SceneDef { dt: 1e-3, ..sliding_disc() }, duration: 1.0, by }
-}
-
-/// The masses of two bodies, their common e and their velocities along x.
-fn pair_numbers() -> Vec<(&'static str, Vec<(Param, f64)>)> {
-    vec![
-        ("m1", one(Param::Mass(0))),
-        ("m2", one(Param::Mass(1))),
-        ("v1", one(Param::Velocity(0, 0))),
-        ("v2", one(Param::Velocity(1, 0))),
-    ]
-}
-
-fn line() -> Question {
-    let mut by = pair_numbers();
-    by.push(("e", by_restitution(0, 1).to_vec()));
-    Question { def: line_collision(), duration: 0.05, by }
-}
-
-fn oblique() -> Question {
-    let mut by = pair_numbers();
-    by.push(("b", one(Param::Position(1, 1))));
-    // At e = 1 a difference would leave the range.
-    let mut def = SceneDef { dt: 1e-3, ..oblique_collision(0.0, [1.0, 0.1]) };
-    def.bodies.iter_mut().for_each(|body| body.restitution = 0.9);
-    by.push(("e", by_restitution(0, 1).to_vec()));
-    Question { def, duration: 1.0, by }
-}
-
-/// V12: three rods of 1 m and 1 kg, pinned side by side, 1.2 rad from hanging, carry a bar of 1 kg.
-fn parallelogram() -> Question {
-    let (sin, cos) = 1.2_f64.sin_cos();
-    let (mut bodies, mut joints) = (Vec::new(), Vec::new());
-    for i in 0..3 {
-        let x = 0.5 * f64::from(i);
-        let name = format!("crank{i}");
-        bodies.push(rod(
-            &name,
-            1.0,
-            1.0,
-            [x + 0.5 * sin, -0.5 * cos],
-            1.2 - 0.5 * std::f64::consts::PI,
-        ));
-        joints.push(hinge(&format!("top{i}"), WORLD, &name, [x, 0.0]));
-        joints.push(hinge(&format!("low{i}"), &name, "bar", [x + sin, -cos]));
-    }
-    bodies.push(rod("bar", 1.0, 1.0, [0.5 + sin, -cos], 0.0));
-    let mut turn = vec![(Param::Position(3, 0), cos), (Param::Position(3, 1), sin)];
-    for i in 0..3 {
-        turn.push((Param::Position(i, 0), 0.5 * cos));
-        turn.push((Param::Position(i, 1), 0.5 * sin));
-        turn.push((Param::Position(i, 2), 1.0));
-    }
-    let by = vec![
-        ("start angle", turn),
-        ("bar mass", one(Param::Mass(3))),
-        ("crank mass", vec![(Param::Mass(0), 1.0), (Param::Inertia(0), slender_inertia(1.0, 1.0))]),
-        ("g", gravity()),
-    ];
-    let def =
-        SceneDef { name: "parallelogram".into(), dt: 1e-3, bodies, joints, ..SceneDef::default() };
-    Question { def, duration: 1.0, by }
-}
-
-fn chain() -> Question {
-    let inertia = slender_inertia(1.0, 0.2); // per mass
-    let links = (0..10).flat_map(|i| [(Param::Mass(i), 1.0), (Param::Inertia(i), inertia)]);
-    let mut def = hanging_chain_hit();
-    // At e = 1 a difference would leave the range.
-    def.bodies.iter_mut().for_each(|body| body.restitution = 0.9);
-    let by = vec![
-        ("link mass", links.collect()),
-        ("disc mass", one(Param::Mass(10))),
-        ("v0", one(Param::Velocity(10, 0))),
-        ("e", by_restitution(9, 10).to_vec()),
-    ];
-    Question { def, duration: 0.01, by }
-}
-
-fn heavy_stack() -> Question {
-    let by = vec![
-        ("top mass", one(Param::Mass(2))),
-        ("g", gravity()),
-        ("mu", (0..3).map(|i| (Param::Friction(i), 1.0)).collect()),
-        ("vx of the top", one(Param::Velocity(2, 0))),
-    ];
-    Question { def: stack(&[1.0, 1e3]), duration: 1.0, by }
 }
 
 fn checkpoints(lab: &mut Lab<'_>) -> Result<(), Stop> {

@@ -1,5 +1,6 @@
 //! Families of complementarity problems on which methods stumble.
 
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
 #![expect(non_snake_case, reason = "matrices carry their names from the literature")]
 
 use std::f64::consts::PI;

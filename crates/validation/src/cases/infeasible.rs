@@ -1,5 +1,7 @@
 //! What must be refused: numbers that mean nothing, and scenes that no motion satisfies.
 
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
+
 use tangency_bench::scenes::{
     block, coincident_discs, disc, floor, hinge, overlapping_boxes, overstretched_rod, press,
 };
@@ -148,7 +150,7 @@ fn recovers(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let most = [fastest, 1.0, 1e-12]; // up to the rounding of the positions
     lab.figure("overlap: greatest speed of recovery", Grade::Step, Relation::AtMost, most);
     lab.near("overlap: gap at the end", gap(run.last()), 0.0, 1e-9);
-    let speed = run.worst(|s| s.v.iter().map(|v| v.norm()).fold(0.0, f64::max));
+    let speed = run.worst(|s| s.v.iter().map(nalgebra::Matrix::norm).fold(0.0, f64::max));
     lab.near("overlap: greatest speed kept", speed, 0.0, 1e-9);
     Ok(())
 }

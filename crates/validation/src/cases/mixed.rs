@@ -4,6 +4,8 @@
 //!  M v = f + Jeᵀ y + Jcᵀ z      Je v = be      0 ≤ z ⟂ Jc v − bc ≥ 0
 //! ```
 
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
+
 use nalgebra::Vector3;
 use tangency_diff::lcp::{LcpVector, lcp_jvp, lcp_vjp};
 use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, NO_BODY, RawLcp, Row, Scratch, solve_checked};

@@ -1,5 +1,7 @@
 //! Complementarity problems w = M z + q, 0 ≤ z ⟂ w ≥ 0, that are small and solved exactly.
 
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
+
 use nalgebra::{DMatrix, DVector};
 use tangency_lcp::{LcpError, RawLcp, RawSolution};
 

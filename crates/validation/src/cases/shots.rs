@@ -15,9 +15,9 @@ pub(crate) const CASES: &[Case] = &[Case {
     parts: &[
         Part::new("(a) shot", shot),
         Part::new("(b) pushed disc", pushed),
-        Part::long("(a) descent", descent),
-        Part::long("(b) learned control", learns_straight),
-        Part::long("(c) learned control", learns_around),
+        Part::new("(a) descent", descent),
+        Part::new("(b) learned control", learns_straight),
+        Part::new("(c) learned control", learns_around),
     ],
 }];
 
@@ -104,13 +104,16 @@ fn cost(run: &Run, controls: &[Vec<f64>], weight: f64) -> (f64, StateVector) {
     (at.norm_squared() + weight * effort / STEPS as f64, seed)
 }
 
+/// Name, number by axis, and exact derivative.
+type Component = (&'static str, fn(usize) -> Param, f64);
+
 fn pushed(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let controls = vec![vec![3.0; 2]; STEPS];
     let run = lab.run_driven(&pair([-2.0; 2]), &controls)?;
     let (loss, seed) = cost(&run, &controls, 0.1);
     lab.fine("(b) loss", loss, 2.059_143_506_108_589_8, 1e-9);
     let by = run.gradient(&seed)?.by;
-    let entries: [(&str, fn(usize) -> Param, f64); 4] = [
+    let entries: [Component; 4] = [
         ("x1", |axis| Param::Position(0, axis), -0.398_668_416_461_416_52),
         ("x2", |axis| Param::Position(SECOND, axis), -0.321_253_115_524_660_66),
         ("v1", |axis| Param::Velocity(0, axis), -0.497_790_657_365_996_97),
@@ -155,7 +158,7 @@ fn learn(
 
 const ROUNDS: usize = 300;
 /// Per control, on the mean over all steps.
-const RATE: f64 = 1.0;
+const RATE: f64 = 0.3;
 
 fn learns_straight(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let lowest = learn(lab, ([-2.0; 2], 0.1), [3.0; 2])?;

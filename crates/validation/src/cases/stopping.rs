@@ -1,5 +1,7 @@
 //! Bodies that friction stops, and the derivatives of where.
 
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
+
 use tangency_bench::scenes::sliding_box;
 use tangency_core::{ForceDef, Param, SceneDef};
 
@@ -28,8 +30,11 @@ fn slide(dt: f64) -> SceneDef {
     SceneDef { dt, ..sliding_box(1.5, 0.3, 3.0) }
 }
 
+/// Name, direction and exact derivative.
+type Entry = (&'static str, Vec<(Param, f64)>, f64);
+
 /// What the block's x is differentiated by.
-fn directions() -> [(&'static str, Vec<(Param, f64)>, f64); 3] {
+fn directions() -> [Entry; 3] {
     [
         ("v0", vec![(Param::Velocity(BLOCK, 0), 1.0)], BY_SPEED),
         ("mu", by_friction(0, BLOCK).to_vec(), BY_FRICTION),
