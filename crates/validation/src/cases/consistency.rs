@@ -51,7 +51,7 @@ fn check(lab: &mut Lab<'_>, question: &Question) -> Result<(), Stop> {
         let mut sides = Sides { run: &run, solver: lab.solver(), direction, switched: false };
         let found = derivative(|h| sides.at(h, &seed), 0.0, STEP);
         lab.holds(format!("{title}: same contacts on both sides"), !sides.switched);
-        lab.near(format!("{title}: differences"), found.value, reverse, 1e-6 * scale);
+        lab.near(format!("{title}: differences"), reverse, found.value, 1e-6 * scale);
     }
     Ok(())
 }

@@ -91,7 +91,8 @@ fn lands(lab: &mut Lab<'_>) -> Result<(), Stop> {
             lab.near(format!("{what}, dy/d{by}"), slope, 0.0, TOLERANCE);
         }
     }
-    Ok(())
+    let none: [Entry<'_>; 2] = [("y0", HEIGHT, 0.0), ("v0", SPEED, 0.0)];
+    thrown(lab, "(a) e=0", (thrown_down(0.0, 0.0), 1.0), 0.1, &none)
 }
 
 fn falls(lab: &mut Lab<'_>) -> Result<(), Stop> {
