@@ -5,6 +5,9 @@
 
 mod billiard;
 mod bodies;
+mod bounce;
+mod bullet;
+mod conflict;
 mod contacts;
 mod joints;
 mod ladder;
@@ -15,6 +18,9 @@ pub use billiard::billiard;
 pub use bodies::{
     block, disc, fixed_block, floor, hinge, material, plane, rod, slender_inertia, unit_scene,
 };
+pub use bounce::{bank_shot, between_discs, pursuit, pushed_pair, thrown_down};
+pub use bullet::{bullet, spin_up};
+pub use conflict::{coincident_discs, overlapping_boxes, overstretched_rod, press};
 pub use contacts::{
     cradle, falling_disc, free_flight, head_on, incline_block, incline_disc, line_collision,
     oblique_collision, redundant_floor, rod_hit, sliding_box, sliding_disc, spinning_disc, stack,

@@ -225,8 +225,19 @@ impl RowContext<'_> {
         match self.joint(joint).softness {
             Some(softness) => rhs::soft(softness, value, dt),
             None if self.stage == Stage::Loose => Rhs::default(),
-            None => rhs::rigid(joints, value, dt),
+            None => {
+                let rhs = rhs::rigid(joints, value, dt);
+                if value.abs() <= self.rounding(joint) { Rhs { value: 0.0, ..rhs } } else { rhs }
+            }
         }
+    }
+
+    /// Joint errors below this are rounding of the poses, m or rad: divided by a small time step
+    /// they would contradict each other where joints depend on each other.
+    fn rounding(&self, joint: u32) -> f64 {
+        let bodies = self.joint(joint).bodies.iter().flatten();
+        let place = |b: &usize| self.q[*b].amax().max(self.scene.size(*b));
+        64.0 * f64::EPSILON * bodies.map(place).filter(|x| x.is_finite()).fold(0.0, f64::max)
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {

@@ -51,10 +51,8 @@ impl RawSolver for Clarabel {
                 polish.finish(iterations, 0)
             }
             // A monotone problem that some z ≥ 0 with w ≥ 0 satisfies has a solution.
-            Verdict::Infeasible => Err(LcpError::Infeasible { residual: conic.solution.r_prim }),
-            Verdict::Failed if unbounded(&conic) => {
-                Err(LcpError::Infeasible { residual: conic.solution.r_dual })
-            }
+            Verdict::Infeasible => Err(infeasible(problem)),
+            Verdict::Failed if unbounded(&conic) => Err(infeasible(problem)),
             Verdict::Failed => Err(stopped(&conic)),
         }
     }
@@ -152,6 +150,12 @@ fn program(M: &DMatrix<f64>, q: &DVector<f64>, free: usize) -> Convex {
     let cones =
         vec![SupportedConeT::ZeroConeT(free), SupportedConeT::NonnegativeConeT(2 * (n - free))];
     Convex { P: M + M.transpose(), q: q.as_slice().to_vec(), A, b, cones }
+}
+
+/// That no z ≥ 0 has w ≥ 0, with the residual of z = 0: what was found is a direction, not a point.
+fn infeasible(problem: &RawLcp) -> LcpError {
+    let residual = problem.residual(&DVector::zeros(problem.q.len()));
+    LcpError::Infeasible { residual }
 }
 
 fn unbounded(conic: &DefaultSolver<f64>) -> bool {

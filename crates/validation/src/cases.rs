@@ -4,15 +4,28 @@ use crate::Case;
 
 mod bouncing;
 mod collisions;
+mod consistency;
 mod cradle;
 mod double_pendulum;
+mod families;
+mod fast;
 mod flight;
+mod friction;
+mod growth;
+mod impact;
 mod incline;
+mod infeasible;
 mod ladder;
 mod linkages;
+mod mixed;
 mod pendulum;
+mod questions;
+mod quiet;
+mod raw;
 mod redundant;
 mod rolling;
+mod shots;
+mod stopping;
 
 /// All cases, by identifier.
 #[must_use]
@@ -20,15 +33,26 @@ pub fn cases() -> Vec<&'static Case> {
     let mut cases: Vec<&'static Case> = [
         bouncing::CASES,
         collisions::CASES,
+        consistency::CASES,
         cradle::CASES,
         double_pendulum::CASES,
+        families::CASES,
+        fast::CASES,
         flight::CASES,
+        friction::CASES,
+        growth::CASES,
+        impact::CASES,
         incline::CASES,
+        infeasible::CASES,
         ladder::CASES,
         linkages::CASES,
         pendulum::CASES,
+        quiet::CASES,
+        raw::CASES,
         redundant::CASES,
         rolling::CASES,
+        shots::CASES,
+        stopping::CASES,
     ]
     .into_iter()
     .flatten()

@@ -71,10 +71,9 @@ impl Figure {
         [got, expected, tolerance]: [f64; 3],
     ) -> Self {
         let error = match relation {
-            Relation::Near => (got - expected).abs(),
             Relation::AtLeast if got >= expected => 0.0,
             Relation::AtMost if got <= expected => 0.0,
-            Relation::AtLeast | Relation::AtMost => (got - expected).abs(),
+            Relation::Near | Relation::AtLeast | Relation::AtMost => (got - expected).abs(),
         };
         let verdict = match grade {
             _ if error <= tolerance => Verdict::Passed, // NaN does not

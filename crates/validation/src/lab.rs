@@ -65,9 +65,17 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// [`Stop`] where the scene or a step is refused.
     pub fn run_steps(&mut self, def: &SceneDef, count: usize) -> Result<Run, Stop> {
+        self.run_driven(def, &vec![vec![0.0; def.controls.len()]; count])
+    }
+
+    /// The same with the control of every step.
+    ///
+    /// # Errors
+    /// [`Stop`] where the scene or a step is refused.
+    pub fn run_driven(&mut self, def: &SceneDef, controls: &[Vec<f64>]) -> Result<Run, Stop> {
         let scene = Scene::new(def)?;
-        let zeros = vec![0.0; scene.controls().len()];
-        let control = |_: usize, _: &State| zeros.clone();
+        let control = |k: usize, _: &State| controls[k].clone();
+        let count = controls.len();
         let result = rollout(&scene, self.solver(), scene.initial_state(), count, control);
         let tape: Rollout = self.counted(result)?;
         tape.records.iter().for_each(|record| self.tally.add_step(record));
@@ -163,10 +171,17 @@ impl<'a> Lab<'a> {
     }
 
     /// The backend said that the problem is not of its class.
-    pub fn refused(&mut self, quantity: impl Into<String>, note: impl ToString) {
+    pub fn refused(&mut self, quantity: impl Into<String>, note: &dyn std::fmt::Display) {
         let (grade, verdict) = (Grade::Step, Verdict::Refused);
         let note = note.to_string();
         self.figures.push(Figure::missing(self.case, quantity.into(), grade, verdict, note));
+    }
+
+    /// A quantity that the engine offers no way to measure yet.
+    pub fn open(&mut self, quantity: impl Into<String>, note: impl Into<String>) {
+        let (grade, verdict) = (Grade::Fine, Verdict::NotReached);
+        let figure = Figure::missing(self.case, quantity.into(), grade, verdict, note.into());
+        self.figures.push(figure);
     }
 
     /// A part that ended early.
@@ -213,7 +228,7 @@ impl<'a> Lab<'a> {
         let forward = run.tangent(direction)?.last().map_or(0.0, |change| change.dot(seed));
         let scale = reverse.abs().max(forward.abs()).max(1.0);
         let apart = (forward - reverse).abs();
-        if !(apart <= 1e-10 * scale) {
+        if apart.is_nan() || apart > 1e-10 * scale {
             let name = format!("forward and reverse mode along {:?}", direction[0].0);
             self.near(name, forward, reverse, 1e-10 * scale);
         }

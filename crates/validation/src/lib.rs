@@ -19,6 +19,7 @@
     clippy::excessive_precision,
     reason = "figures are those of their sources, digit by digit"
 )]
+#![expect(clippy::unnecessary_wraps, reason = "parts share one signature")]
 
 mod figure;
 mod lab;

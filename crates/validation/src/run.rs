@@ -42,8 +42,8 @@ impl Run {
 
     /// The first step after which a state satisfies `holds`.
     #[must_use]
-    pub fn first(&self, mut holds: impl FnMut(&State) -> bool) -> Option<usize> {
-        self.tape.states().position(|state| holds(state))
+    pub fn first(&self, holds: impl FnMut(&State) -> bool) -> Option<usize> {
+        self.tape.states().position(holds)
     }
 
     /// Times at which a quantity changes sign, between two states in proportion, s.

@@ -80,8 +80,9 @@ fn bounce(lab: &mut Lab<'_>) -> Result<(), Stop> {
         }
         lab.at_most(format!("gap(5) at dt={dt}"), gap(run.last()), 1e-4);
         lab.at_most(format!("speed at 5 s, dt={dt}"), run.last().v[BALL].y.abs(), 2e-2);
-        let (energies, tops) = (energies(&run), tops(&run));
-        lab.near(format!("rise of energy in a step, dt={dt}"), rise(&energies), 0.0, 1e-12);
+        // Within a step a bounce leaves from where the step began, which shifts the energy by up
+        // to (g e dt)²/(2 (1 − e²)); from top to top it never grows.
+        let tops = tops(&run);
         lab.near(format!("rise from one top to the next, dt={dt}"), rise(&tops), 0.0, 1e-12);
     }
     for (t, exact, _) in GAPS {
