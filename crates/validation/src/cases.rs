@@ -2,14 +2,41 @@
 
 use crate::Case;
 
+mod chain;
+mod driven;
+mod extremes;
 mod flight;
+mod grazing;
+mod groove;
 mod incline;
+mod reactions;
+mod simultaneous;
+mod standing;
+mod strained;
+mod thresholds;
+mod tipping;
 
 /// All cases, by identifier.
 #[must_use]
 pub fn cases() -> Vec<&'static Case> {
-    let mut cases: Vec<&'static Case> =
-        [flight::CASES, incline::CASES].into_iter().flatten().collect();
+    let mut cases: Vec<&'static Case> = [
+        chain::CASES,
+        driven::CASES,
+        extremes::CASES,
+        flight::CASES,
+        grazing::CASES,
+        groove::CASES,
+        incline::CASES,
+        reactions::CASES,
+        simultaneous::CASES,
+        standing::CASES,
+        strained::CASES,
+        thresholds::CASES,
+        tipping::CASES,
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
     cases.sort_by_key(|case| case.id);
     cases
 }
