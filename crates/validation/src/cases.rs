@@ -47,6 +47,12 @@ pub(crate) fn contact_sums(record: &tangency_core::StepRecord) -> (f64, f64) {
     (impulses.iter().map(|i| i.normal).sum(), impulses.iter().map(|i| i.tangent).sum())
 }
 
+/// Greatest change of a body's pose since the start of a run.
+pub(crate) fn moved(run: &crate::Run) -> f64 {
+    let start = &run.tape.initial.q;
+    run.worst(|s| s.q.iter().zip(start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max))
+}
+
 /// Impulse of a joint's held row, N·s; NaN if it was not modelled.
 pub(crate) fn held_impulse(record: &tangency_core::StepRecord, joint: u32, row: u32) -> f64 {
     record.impulse(tangency_core::RowSource::Held { joint, row }).unwrap_or(f64::NAN)

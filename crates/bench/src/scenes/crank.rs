@@ -18,8 +18,8 @@ pub fn slider_crank(angle: f64, rate: f64) -> SceneDef {
 
     let mut crank = rod("crank", 0.3, 1.0, [pin[0] / 2.0, pin[1] / 2.0], angle);
     (crank.velocity, crank.angular_velocity) = (pin_velocity.map(|v| v / 2.0), rate);
-    let mut link = rod("rod", 1.0, 2.0, [(pin[0] + end[0]) / 2.0, pin[1] / 2.0], turn);
-    link.velocity = [(pin_velocity[0] + speed) / 2.0, pin_velocity[1] / 2.0];
+    let mut link = rod("rod", 1.0, 2.0, [f64::midpoint(pin[0], end[0]), pin[1] / 2.0], turn);
+    link.velocity = [f64::midpoint(pin_velocity[0], speed), pin_velocity[1] / 2.0];
     link.angular_velocity = rod_rate;
     let mut slider = rod("slider", 1.0, 3.0, end, 0.0);
     slider.velocity = [speed, 0.0];

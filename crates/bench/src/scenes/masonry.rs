@@ -51,7 +51,7 @@ pub fn arch(thickness: f64, friction: f64) -> SceneDef {
     let at = |joint: u32, r: f64| {
         let angle = PI * f64::from(joint) / 7.0;
         // The springings lie on the floor to the last bit.
-        let height = if joint % 7 == 0 { 0.0 } else { r * angle.sin() };
+        let height = if joint.is_multiple_of(7) { 0.0 } else { r * angle.sin() };
         [r * angle.cos(), height]
     };
     let (inner, outer) = (1.0 - thickness / 2.0, 1.0 + thickness / 2.0);

@@ -15,7 +15,7 @@ pub fn suspended_chain(pull: f64) -> SceneDef {
     for i in 0..10 {
         let angle = ((f64::from(i) - 4.5) * mass * 9.81 / pull).atan();
         let next = [node[0] + length * angle.cos(), node[1] + length * angle.sin()];
-        let center = [(node[0] + next[0]) / 2.0, (node[1] + next[1]) / 2.0];
+        let center = [0, 1].map(|axis| f64::midpoint(node[axis], next[axis]));
         let above = if i == 0 { WORLD.into() } else { format!("link{}", i - 1) };
         let link = format!("link{i}");
         def.joints.push(hinge(&format!("pin{i}"), &above, &link, node));

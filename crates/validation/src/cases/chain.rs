@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use tangency_bench::scenes::{hanging_chain_hit, slender_inertia, suspended_chain, turned_chain};
 use tangency_core::{Param, SceneDef, State};
 
-use super::held_impulse;
+use super::{held_impulse, moved};
 use crate::lab::recommended;
 use crate::run::Run;
 use crate::{Case, Lab, Part, Stop};
@@ -29,9 +29,7 @@ const END: u32 = 10;
 fn suspended(lab: &mut Lab<'_>) -> Result<(), Stop> {
     let def = suspended_chain(PULL);
     let run = lab.run(&def, 10.0)?;
-    let start = &run.tape.initial.q;
-    let moved = |s: &State| s.q.iter().zip(start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-    lab.near("(a) moved in 10 s", run.worst(moved), 0.0, 1e-9);
+    lab.near("(a) moved in 10 s", moved(&run), 0.0, 1e-9);
     for (name, joint) in [("left", 0), ("right", END)] {
         let [x, y] = [0, 1].map(|row| held_impulse(run.end(), joint, row) / def.dt);
         lab.relative(format!("(a) {name} force"), x.hypot(y), 25.793_972_657_055_724, 1e-9);

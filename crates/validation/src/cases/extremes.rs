@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 use tangency_bench::scenes::{clamped_rod, incline_block, shallow_hollow, sliding_box, stack};
-use tangency_core::{SceneDef, State};
+use tangency_core::SceneDef;
 
+use super::moved;
 use crate::run::Run;
 use crate::{Case, Lab, Part, Stop};
 
@@ -25,20 +26,12 @@ fn speed(run: &Run) -> f64 {
     run.worst(|s| s.v.iter().map(Vector3::norm).fold(0.0, f64::max))
 }
 
-/// Greatest change of a pose.
-fn moved(run: &Run) -> f64 {
-    let start = &run.tape.initial.q;
-    run.worst(|s: &State| s.q.iter().zip(start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max))
-}
-
 /// A rounding δ of a row moves the difference of the two forces by δ/slope², so that their sum is
 /// asked to the last digits and each of them is not.
 fn hollow(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for slope in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10_f64] {
-        match lab.run(&shallow_hollow(slope), 1.0) {
-            Ok(run) => rests_in_hollow(lab, slope, &run),
-            Err(stop) => lab.stopped(&format!("hollow of slope {slope:e}"), &stop),
-        }
+        let run = lab.run(&shallow_hollow(slope), 1.0)?;
+        rests_in_hollow(lab, slope, &run);
     }
     Ok(())
 }
@@ -69,10 +62,8 @@ fn rests(lab: &mut Lab<'_>) -> Result<(), Stop> {
             ("stack of five", stack(&[1.0; 5])),
             ("block on a slope", incline_block(30.0_f64.to_radians(), 0.7, 0.0)),
         ] {
-            match lab.run_steps(&SceneDef { dt, ..def }, 100) {
-                Ok(run) => lab.near(format!("{name} moved at dt={dt:e}"), moved(&run), 0.0, 1e-9),
-                Err(stop) => lab.stopped(&format!("{name} at dt={dt:e}"), &stop),
-            }
+            let run = lab.run_steps(&SceneDef { dt, ..def }, 100)?;
+            lab.near(format!("{name} moved at dt={dt:e}"), moved(&run), 0.0, 1e-9);
         }
     }
     Ok(())

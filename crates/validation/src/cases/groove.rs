@@ -10,6 +10,7 @@ pub(crate) const CASES: &[Case] = &[Case {
     title: "Disc in a groove",
     parts: &[
         Part::new("spins down", spins_down),
+        Part::new("comes to rest", comes_to_rest),
         Part::new("climbs", climbs),
         Part::new("derivative", derivative),
     ],
@@ -34,6 +35,10 @@ fn spins_down(lab: &mut Lab<'_>) -> Result<(), Stop> {
         lab.near(format!("lesser force at dt={dt}"), forces[1], 4.454_772_721_475_249, 1e-9);
         lab.near(format!("w(0.3) at dt={dt}"), run.last().v[DISC].z, 8.544_870_144_777_93, 1e-9);
     }
+    Ok(())
+}
+
+fn comes_to_rest(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for dt in [1e-2, 1e-3] {
         let run = lab.run(&scene(0.3, dt), 0.6)?;
         let first = run.first(|s| s.v[DISC].norm() <= 1e-9).unwrap_or(usize::MAX);

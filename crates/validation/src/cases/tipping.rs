@@ -61,21 +61,21 @@ const SWINGS: [f64; 2] = [0.104_205_747_660_337_25, 0.071_016_325_324_556_807];
 /// Of the box about a corner, m (w² + h²)/3.
 const ABOUT_CORNER: f64 = 0.4 / 3.0;
 
-fn rocking(lab: &mut Lab<'_>, def: SceneDef) -> Result<Rocking, Stop> {
-    Ok(Rocking::of(&lab.run(&def, 1.1)?))
+fn rocking(lab: &mut Lab<'_>, def: &SceneDef) -> Result<Rocking, Stop> {
+    Ok(Rocking::of(&lab.run(def, 1.1)?))
 }
 
 fn rocks(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for dt in [4e-3, 1e-3] {
-        let found = rocking(lab, SceneDef { dt, ..rocking_box(TILT) })?;
+        let found = rocking(lab, &SceneDef { dt, ..rocking_box(TILT) })?;
         for (name, got, exact) in found.figures() {
             lab.near(format!("(a) {name} at dt={dt}"), got, exact, 20.0 * dt);
         }
     }
     lab.order("(a) swing 1", 0.7, |lab, dt| {
-        Ok(rocking(lab, SceneDef { dt, ..rocking_box(TILT) })?.swings[0] - SWINGS[0])
+        Ok(rocking(lab, &SceneDef { dt, ..rocking_box(TILT) })?.swings[0] - SWINGS[0])
     })?;
-    let found = rocking(lab, recommended(rocking_box(TILT)))?;
+    let found = rocking(lab, &recommended(rocking_box(TILT)))?;
     for (name, got, exact) in found.figures() {
         lab.fine(format!("(a) {name}"), got, exact, 1e-4);
     }
