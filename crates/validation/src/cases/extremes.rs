@@ -64,6 +64,7 @@ fn rests(lab: &mut Lab<'_>) -> Result<(), Stop> {
         ] {
             let run = lab.run_steps(&SceneDef { dt, ..def }, 100)?;
             lab.near(format!("{name} moved at dt={dt:e}"), moved(&run), 0.0, 1e-9);
+            lab.near(format!("{name}, speed at dt={dt:e}"), speed(&run), 0.0, 1e-9);
         }
     }
     Ok(())
