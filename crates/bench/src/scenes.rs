@@ -9,10 +9,16 @@ mod bounce;
 mod bullet;
 mod conflict;
 mod contacts;
+mod crank;
+mod hollow;
 mod joints;
 mod ladder;
+mod landing;
 mod linkage;
 mod machines;
+mod masonry;
+mod rocker;
+mod suspension;
 
 pub use billiard::billiard;
 pub use bodies::{
@@ -26,7 +32,13 @@ pub use contacts::{
     oblique_collision, redundant_floor, rod_hit, sliding_box, sliding_disc, spinning_disc, stack,
     tipping_box,
 };
+pub use crank::{clamped_rod, level_pair, slider_crank, supported_rod};
+pub use hollow::{groove, shallow_hollow};
 pub use joints::{chain, doubled_hinge, hanging_chain_hit, paper_chain, pendulum};
 pub use ladder::ladder;
+pub use landing::{corner_landing, falling_discs, grazing_disc, unit_slider};
 pub use linkage::{double_pendulum, parallelogram};
 pub use machines::{compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart};
+pub use masonry::{arch, gable, pyramid};
+pub use rocker::{curb, rocking_box, spool};
+pub use suspension::{suspended_chain, turned_chain};

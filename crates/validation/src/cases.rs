@@ -3,14 +3,19 @@
 use crate::Case;
 
 mod bouncing;
+mod chain;
 mod collisions;
 mod consistency;
 mod cradle;
 mod double_pendulum;
+mod driven;
+mod extremes;
 mod families;
 mod fast;
 mod flight;
 mod friction;
+mod grazing;
+mod groove;
 mod growth;
 mod impact;
 mod incline;
@@ -22,24 +27,35 @@ mod pendulum;
 mod questions;
 mod quiet;
 mod raw;
+mod reactions;
 mod redundant;
 mod rolling;
 mod shots;
+mod simultaneous;
+mod standing;
 mod stopping;
+mod strained;
+mod thresholds;
+mod tipping;
 
 /// All cases, by identifier.
 #[must_use]
 pub fn cases() -> Vec<&'static Case> {
     let mut cases: Vec<&'static Case> = [
         bouncing::CASES,
+        chain::CASES,
         collisions::CASES,
         consistency::CASES,
         cradle::CASES,
         double_pendulum::CASES,
+        driven::CASES,
+        extremes::CASES,
         families::CASES,
         fast::CASES,
         flight::CASES,
         friction::CASES,
+        grazing::CASES,
+        groove::CASES,
         growth::CASES,
         impact::CASES,
         incline::CASES,
@@ -49,10 +65,16 @@ pub fn cases() -> Vec<&'static Case> {
         pendulum::CASES,
         quiet::CASES,
         raw::CASES,
+        reactions::CASES,
         redundant::CASES,
         rolling::CASES,
         shots::CASES,
+        simultaneous::CASES,
+        standing::CASES,
         stopping::CASES,
+        strained::CASES,
+        thresholds::CASES,
+        tipping::CASES,
     ]
     .into_iter()
     .flatten()
@@ -65,6 +87,12 @@ pub fn cases() -> Vec<&'static Case> {
 pub(crate) fn contact_sums(record: &tangency_core::StepRecord) -> (f64, f64) {
     let impulses = record.contact_impulses();
     (impulses.iter().map(|i| i.normal).sum(), impulses.iter().map(|i| i.tangent).sum())
+}
+
+/// Greatest change of a body's pose since the start of a run.
+pub(crate) fn moved(run: &crate::Run) -> f64 {
+    let start = &run.tape.initial.q;
+    run.worst(|s| s.q.iter().zip(start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max))
 }
 
 /// Impulse of a joint's held row, N·s; NaN if it was not modelled.
