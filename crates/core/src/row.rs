@@ -253,7 +253,7 @@ impl RowContext<'_> {
     #[must_use]
     pub fn softness(&self, source: RowSource) -> f64 {
         match (self.stage, source) {
-            (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-4,
+            (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
             (Stage::SoftPost, RowSource::Held { .. }) => 0.0,
             (Stage::SoftPost, _) => 1e-2,
             (Stage::Loose, RowSource::Held { .. }) => 1e-8,
