@@ -226,8 +226,7 @@ impl RowContext<'_> {
         if self.stage.drifts() && self.is_drift(joint, row, value) {
             return Rhs::default();
         }
-        let rhs = rhs::rigid(joints, value, dt);
-        if value.abs() <= self.rounding(joint) { Rhs { value: 0.0, ..rhs } } else { rhs }
+        rhs::rigid(joints, value, dt)
     }
 
     /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
@@ -237,14 +236,6 @@ impl RowContext<'_> {
         let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
         let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
         value.abs() <= DRIFT * size
-    }
-
-    /// Joint errors below this are rounding of the poses, m or rad: divided by a small time step
-    /// they would contradict each other where joints depend on each other.
-    fn rounding(&self, joint: u32) -> f64 {
-        let bodies = self.joint(joint).bodies.iter().flatten();
-        let place = |b: &usize| self.q[*b].amax().max(self.scene.size(*b));
-        64.0 * f64::EPSILON * bodies.map(place).filter(|x| x.is_finite()).fold(0.0, f64::max)
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
