@@ -19,6 +19,7 @@ mod machines;
 mod masonry;
 mod rocker;
 mod suspension;
+mod tight;
 
 pub use billiard::billiard;
 pub use bodies::{
@@ -42,3 +43,4 @@ pub use machines::{compound_tumble, conveyor, motor_arm, piston, soft_bridge, sp
 pub use masonry::{arch, gable, pyramid};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
+pub use tight::{misfit_hinges, narrow_slot, wedged_box};
