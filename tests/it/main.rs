@@ -20,6 +20,7 @@ mod gradients;
 mod joints;
 mod modelling;
 mod motors;
+mod random_scenes;
 mod records;
 mod refusals;
 mod springs;
