@@ -97,6 +97,12 @@ impl Stage {
         matches!(self, Self::Velocity | Self::Plastic | Self::Loose)
     }
 
+    /// Whether something gives way.
+    #[must_use]
+    pub fn gives_way(self) -> bool {
+        !matches!(self, Self::Velocity | Self::Post)
+    }
+
     /// Whether position errors stay.
     #[must_use]
     pub fn drifts(self) -> bool {
