@@ -86,6 +86,9 @@ pub(crate) fn rows(context: &RowContext<'_>, reach: Reach) -> Vec<RowSource> {
     }
     for contact in 0..u32::try_from(context.contacts.len()).expect("fewer contacts than u32 counts")
     {
+        if !context.contacts[contact as usize].normal.x.is_finite() {
+            continue; // moved until two points coincide: nothing to mend, and no direction
+        }
         rows.push(RowSource::Normal { contact });
         let [a, b] = context.contact_bodies(contact);
         if context.stage.is_velocity() && context.scene.pair_friction(a, b).value > 0.0 {

@@ -259,15 +259,13 @@ impl RowContext<'_> {
     }
 
     /// Part of its own Wᵢᵢ by which a row of this stage gives way. Joints that are mended resist more
-    /// than penetrations. Those that may drift only yield where they depend on each other up to
-    /// their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
+    /// than penetrations. Otherwise they only yield where they depend on each other up to their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
     #[must_use]
     pub fn softness(&self, source: RowSource) -> f64 {
         match (self.stage, source) {
             (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
-            (Stage::SoftPost, RowSource::Held { .. }) => 0.0,
+            (stage, RowSource::Held { .. }) if stage.gives_way() => 1e-8,
             (Stage::SoftPost, _) => 1e-2,
-            (stage, RowSource::Held { .. }) if stage.drifts() => 1e-8,
             _ => 0.0,
         }
     }
