@@ -2,7 +2,7 @@
 
 use tangency_lcp::{
     BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish, Polished,
-    Scratch, SolveStats, solve_linear,
+    Scratch, SolveStats, Sweeps, solve_linear,
 };
 use tangency_lcp_lemke::candidates;
 
@@ -15,7 +15,7 @@ use crate::neighbours::neighbours;
 /// Stages, each tried only if the one before left a residual above `tolerance` (above `acceptance` from
 /// Lemke's method on): the guess through
 /// the active-set loop; modes read at the free velocities; the interior point, boldly and then
-/// carefully, polished whenever it shows new modes; Lemke's method for problems of moderate size;
+/// carefully, polished whenever it shows new modes; projected Gauss–Seidel; Lemke's method for problems of moderate size;
 /// all modes of the few rows that are most in doubt. A solution is returned if its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
@@ -38,6 +38,10 @@ impl Default for InteriorPoint {
         Self { tolerance, acceptance, max_iterations: 60, max_flips: 8, tell_infeasible: true }
     }
 }
+
+/// How often projected Gauss–Seidel's iterate is polished, and after how many sweeps each.
+const ROUNDS: usize = 40;
+const SWEEPS: usize = 25;
 
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -82,7 +86,10 @@ impl Search<'_> {
         if let Some(residual) = self.conflict() {
             return Err(LcpError::Infeasible { residual });
         }
-        let _ = self.pivoting(&form) || self.interior(&form, CAREFUL) || self.enumerated();
+        let _ = self.sweeps()
+            || self.pivoting(&form)
+            || self.interior(&form, CAREFUL)
+            || self.enumerated();
         self.finish()
     }
 
@@ -132,6 +139,17 @@ impl Search<'_> {
             let candidate = self.polish.modes(sliding, None);
             self.offer(candidate)
         }
+    }
+
+    /// Polishes projected Gauss–Seidel's iterate now and then.
+    fn sweeps(&mut self) -> bool {
+        self.stats.method = Method::Sweeps;
+        let mut sweeps = Sweeps::new(self.polish.problem, self.polish.metric);
+        (0..ROUNDS).any(|_| {
+            (0..SWEEPS).for_each(|_| sweeps.sweep());
+            let candidate = self.polish.approximate(&sweeps.approximate());
+            candidate.is_some_and(|candidate| self.offer(candidate))
+        })
     }
 
     fn pivoting(&mut self, form: &BoxForm) -> bool {

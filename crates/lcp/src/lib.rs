@@ -26,6 +26,7 @@ mod rows;
 mod saddle;
 mod solution;
 mod solver;
+mod sweeps;
 mod validate;
 
 pub use active_set::{ActiveSystem, Fold, Reduced};
@@ -44,3 +45,4 @@ pub use raw::{RawFriction, RawLcp, RawPolish, RawSolution, RawSolver};
 pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Method, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
+pub use sweeps::Sweeps;
