@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use tangency_lcp::{Law, Lcp, NO_BODY, Row};
 
-use crate::row::{RowContext, RowGeometry, RowSource, Stage, softness};
+use crate::row::{RowContext, RowGeometry, RowSource, Stage};
 
 /// The problem of one island, and what its bodies and rows are.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,11 +33,8 @@ impl Island {
             set_right_side(context, *source, &geometry, row);
             changed |= before != (row.rhs, row.compliance);
         }
-        if context.stage == Stage::SoftPost {
-            let gives = |law| context.mends_joints || law != Law::Equality;
-            island.problem.soften(|law| if gives(law) { softness(law) } else { 0.0 });
-            changed = true;
-        }
+        changed |= self.sources.iter().any(|source| context.softness(*source) > 0.0);
+        island.problem.soften(|row| context.softness(self.sources[row]));
         changed.then_some(island)
     }
 }

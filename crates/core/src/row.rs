@@ -79,20 +79,13 @@ pub enum Stage {
     /// The same without restitution.
     Plastic,
     /// The same without restitution, and without removing position errors: that is left to the
-    /// displacement after the move.
+    /// displacement after the move. Joints give way as far as drift makes them contradict each
+    /// other.
     Loose,
     /// The displacement that removes position errors after the move.
     Post,
-    /// The same where each row gives way by its [`softness`] times Wᵢᵢ per impulse; joints do so
-    /// only if they are to be closed.
+    /// The same where rows give way by [`RowContext::softness`] times Wᵢᵢ per impulse.
     SoftPost,
-}
-
-/// Part of its own Wᵢᵢ by which a row of [`Stage::SoftPost`] gives way; joints resist more than
-/// contacts and limits.
-#[must_use]
-pub fn softness(law: Law) -> f64 {
-    if law == Law::Equality { 1e-4 } else { 1e-2 }
 }
 
 /// Joint errors above this part of a body's size (or this many rad) do not give way.
@@ -251,6 +244,20 @@ impl RowContext<'_> {
                 }
             }
             _ => rhs::post_gap(value, dt, speed),
+        }
+    }
+
+    /// Part of its own Wᵢᵢ by which a row of this stage gives way. Joints that are mended resist more
+    /// than penetrations. Those of [`Stage::Loose`] only yield where they depend on each other up to
+    /// their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
+    #[must_use]
+    pub fn softness(&self, source: RowSource) -> f64 {
+        match (self.stage, source) {
+            (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
+            (Stage::SoftPost, RowSource::Held { .. }) => 0.0,
+            (Stage::SoftPost, _) => 1e-2,
+            (Stage::Loose, RowSource::Held { .. }) => 1e-8,
+            _ => 0.0,
         }
     }
 

@@ -9,13 +9,13 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, LcpSolver, Scratch, solve_checked};
+use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Scratch, solve_checked};
 
 use crate::detect::{Reach, detect, reach, rows};
 use crate::island::{Island, assemble};
 use crate::momentum::momentum;
 use crate::record::{IslandRecord, Path, PostRecord, StepRecord};
-use crate::row::{RowContext, Stage};
+use crate::row::{RowContext, RowSource, Stage};
 use crate::scene::Scene;
 use crate::{Correction, State, StepError};
 
@@ -102,6 +102,7 @@ fn solve_island(
     while let Some(island) = next {
         let result = solve_checked(solver, &island.problem, None, &mut scratch.lcp, tolerance);
         match result {
+            Ok((solution, _)) if gives_too_much(context, &island, &solution) => break,
             Ok((solution, residual)) => {
                 let amplification = island.problem.amplification(&solution);
                 if amplification <= WILD {
@@ -120,6 +121,20 @@ fn solve_island(
         }
     }
     calmest.ok_or_else(|| (island.bodies, refusal.unwrap_or(NOTHING_TRIED)))
+}
+
+/// Joints of [`Stage::Loose`] that give way by more than this, relative to the problem's scale, are
+/// driven against each other. Drift alone takes at most ½ √(1e-8).
+const DRIVEN: f64 = 1e-3;
+
+fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolution) -> bool {
+    let metric = Metric::new(&island.problem);
+    let context = RowContext { stage: island.stage, ..*context };
+    let gives = |(row, source): (usize, &RowSource)| {
+        context.softness(*source) * solution.impulses[row].abs() * metric.root[row]
+    };
+    island.stage == Stage::Loose
+        && island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
 }
 
 const NOTHING_TRIED: LcpError = LcpError::NotConverged { iterations: 0, residual: f64::INFINITY };
