@@ -192,7 +192,7 @@ impl RowContext<'_> {
         match (self.stage, source) {
             (_, RowSource::Tangent { .. }) => Rhs::default(),
             (Stage::Post | Stage::SoftPost, _) => self.post_rhs(source, value),
-            (_, RowSource::Held { joint, .. }) => self.held_rhs(joint, value),
+            (_, RowSource::Held { joint, row }) => self.held_rhs(joint, row, value),
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
@@ -213,24 +213,34 @@ impl RowContext<'_> {
         }
     }
 
-    fn held_rhs(&self, joint: u32, value: f64) -> Rhs {
+    fn held_rhs(&self, joint: u32, row: u32, value: f64) -> Rhs {
         let (dt, joints) = (self.scene.dt, self.scene.def.stabilisation.joints);
         match self.joint(joint).softness {
             Some(softness) => rhs::soft(softness, value, dt),
             None if self.stage == Stage::Loose => Rhs::default(),
             None => {
                 let rhs = rhs::rigid(joints, value, dt);
-                if value.abs() <= self.rounding(joint) { Rhs { value: 0.0, ..rhs } } else { rhs }
+                if value.abs() <= self.rounding(joint, row) {
+                    Rhs { value: 0.0, ..rhs }
+                } else {
+                    rhs
+                }
             }
         }
     }
 
     /// Joint errors below this are rounding of the poses, m or rad: divided by a small time step
     /// they would contradict each other where joints depend on each other.
-    fn rounding(&self, joint: u32) -> f64 {
-        let bodies = self.joint(joint).bodies.iter().flatten();
-        let place = |b: &usize| self.q[*b].amax().max(self.scene.size(*b));
-        64.0 * f64::EPSILON * bodies.map(place).filter(|x| x.is_finite()).fold(0.0, f64::max)
+    fn rounding(&self, joint: u32, row: u32) -> f64 {
+        let Joint { bodies, held, .. } = self.joint(joint);
+        let turns = held[row as usize].measure == crate::measure::Measure::Angle;
+        let place = |b: &usize| {
+            let angle = self.q[*b].z.abs().max(1.0);
+            let far = self.q[*b].xy().amax().max(angle * self.scene.size(*b));
+            if turns { angle } else { far }
+        };
+        let places = bodies.iter().flatten().map(place).filter(|x| x.is_finite());
+        64.0 * f64::EPSILON * places.fold(0.0, f64::max)
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
