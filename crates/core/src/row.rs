@@ -196,6 +196,7 @@ impl RowContext<'_> {
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
+                    recovery_speed: self.recovery(source),
                     ..self.unilateral(self.limit_slop(joint), self.scene.def.stabilisation.joints)
                 };
                 rule.rhs(value, speed, 0.0)
@@ -243,8 +244,22 @@ impl RowContext<'_> {
         64.0 * f64::EPSILON * places.fold(0.0, f64::max)
     }
 
+    /// Greatest speed at which a row's error is removed, m/s or rad/s.
+    fn recovery(&self, source: RowSource) -> f64 {
+        let def = &self.scene.def;
+        let row = match source {
+            RowSource::Held { joint, row } => self.joint(joint).held[row as usize],
+            RowSource::Lower { joint }
+            | RowSource::Upper { joint }
+            | RowSource::Motor { joint } => self.free(joint),
+            RowSource::Normal { .. } | RowSource::Tangent { .. } => return def.recovery_speed,
+        };
+        let turns = row.measure == crate::measure::Measure::Angle;
+        if turns { def.recovery_rate } else { def.recovery_speed }
+    }
+
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
-        let (dt, speed) = (self.scene.dt, self.scene.def.recovery_speed);
+        let (dt, speed) = (self.scene.dt, self.recovery(source));
         match source {
             RowSource::Held { .. } | RowSource::Motor { .. } => {
                 if self.mends_joints {

@@ -1,4 +1,4 @@
-//! The same scene in other units, and what comes of it in the old ones.
+//! Other units of length, mass and time.
 //!
 //! An engine without constants of its own does the same to every bit when the unit of length, mass
 //! or time becomes a power of two of what it was: each number only changes its exponent.
@@ -8,6 +8,8 @@ use tangency_core::{
     BodyDef, BodyKind, ContactModel, ForceDef, JointDef, JointKind, Limits, Motor, Param, Scene,
     SceneDef, Shape, Softness, State,
 };
+
+use super::{Number, Retelling};
 
 /// How many of the new units of length, mass and time make one of the old.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,64 +51,16 @@ impl Units {
     /// The old units.
     pub const SAME: Self = Self { length: 1.0, mass: 1.0, time: 1.0 };
 
-    /// Powers of two.
+    /// Powers of a number, for length, mass and time.
     #[must_use]
-    pub fn binary(length: i32, mass: i32, time: i32) -> Self {
-        let [length, mass, time] = [length, mass, time].map(|power| 2.0_f64.powi(power));
+    pub fn powers_of(number: f64, exponents: [i32; 3]) -> Self {
+        let [length, mass, time] = exponents.map(|exponent| number.powi(exponent));
         Self { length, mass, time }
     }
 
     /// One of the old units of a quantity in the new ones.
     fn of(&self, [length, mass, time]: Dimension) -> f64 {
         self.length.powi(length) * self.mass.powi(mass) * self.time.powi(time)
-    }
-
-    /// A definition in the new units. A body that leaves its density to the engine is given the one
-    /// that it had.
-    ///
-    /// What a scene says with one number for two dimensions cannot be expressed when the unit of
-    /// length changes: a recovery speed for points and angles, the stiffness of a joint that
-    /// [holds both](has_own_units).
-    #[must_use]
-    pub fn scene(&self, def: &SceneDef) -> SceneDef {
-        let mut def = def.clone();
-        self.change(&mut def.gravity, ACCELERATION);
-        self.change([&mut def.dt, &mut def.duration], TIME);
-        self.change([&mut def.recovery_speed], SPEED);
-        if let ContactModel::Velocity { contact_distance } = &mut def.contact_model {
-            self.change([contact_distance], LENGTH);
-        }
-        def.bodies.iter_mut().for_each(|body| self.body(body));
-        def.joints.iter_mut().for_each(|joint| self.joint(joint));
-        def.forces.iter_mut().for_each(|force| self.force(force));
-        def
-    }
-
-    /// A state of the new scene in the old units.
-    #[must_use]
-    pub fn old_state(&self, state: &State) -> State {
-        let back = |x: &Vector3<f64>, moves: Dimension, turns: Dimension| {
-            let (along, about) = (self.of(moves), self.of(turns));
-            Vector3::new(x.x / along, x.y / along, x.z / about)
-        };
-        State {
-            time: state.time / self.of(TIME),
-            q: state.q.iter().map(|q| back(q, LENGTH, NUMBER)).collect(),
-            v: state.v.iter().map(|v| back(v, SPEED, RATE)).collect(),
-        }
-    }
-
-    /// The derivative of a number of the new state by a number of the new scene, in the old units.
-    /// `axis` is that of the pose or velocity which is differentiated.
-    #[must_use]
-    pub fn old_slope(&self, slope: f64, scene: &Scene, of: Number, by: Param) -> f64 {
-        let of = match of {
-            Number::Pose(_, 2) => NUMBER,
-            Number::Pose(..) => LENGTH,
-            Number::Velocity(_, 2) => RATE,
-            Number::Velocity(..) => SPEED,
-        };
-        slope * self.of(dimension(scene, by)) / self.of(of)
     }
 
     fn change<'a>(&self, numbers: impl IntoIterator<Item = &'a mut f64>, dimension: Dimension) {
@@ -194,13 +148,50 @@ impl Units {
     }
 }
 
-/// A number of a state: body and axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Number {
-    /// Of a pose.
-    Pose(usize, usize),
-    /// Of a velocity.
-    Velocity(usize, usize),
+impl Retelling for Units {
+    /// A body that leaves its density to the engine is given the one that it had. What a scene says
+    /// with one number for two dimensions cannot be expressed when the unit of length changes: the
+    /// stiffness of a joint that [holds both](has_own_units).
+    fn scene(&self, def: &SceneDef) -> SceneDef {
+        let mut def = def.clone();
+        self.change(&mut def.gravity, ACCELERATION);
+        self.change([&mut def.dt, &mut def.duration], TIME);
+        self.change([&mut def.recovery_speed], SPEED);
+        self.change([&mut def.recovery_rate], RATE);
+        if let ContactModel::Velocity { contact_distance } = &mut def.contact_model {
+            self.change([contact_distance], LENGTH);
+        }
+        def.bodies.iter_mut().for_each(|body| self.body(body));
+        def.joints.iter_mut().for_each(|joint| self.joint(joint));
+        def.forces.iter_mut().for_each(|force| self.force(force));
+        def
+    }
+
+    fn told_back(&self, state: &State) -> State {
+        let back = |x: &Vector3<f64>, moves: Dimension, turns: Dimension| {
+            let (along, about) = (self.of(moves), self.of(turns));
+            Vector3::new(x.x / along, x.y / along, x.z / about)
+        };
+        State {
+            time: state.time / self.of(TIME),
+            q: state.q.iter().map(|q| back(q, LENGTH, NUMBER)).collect(),
+            v: state.v.iter().map(|v| back(v, SPEED, RATE)).collect(),
+        }
+    }
+
+    fn number(&self, _bodies: usize, number: Number) -> Vec<(Number, f64)> {
+        let dimension = match number {
+            Number::Pose(_, 2) => NUMBER,
+            Number::Pose(..) => LENGTH,
+            Number::Velocity(_, 2) => RATE,
+            Number::Velocity(..) => SPEED,
+        };
+        vec![(number, 1.0 / self.of(dimension))]
+    }
+
+    fn param(&self, scene: &Scene, param: Param) -> Vec<(Param, f64)> {
+        vec![(param, self.of(dimension(scene, param)))]
+    }
 }
 
 /// Whether some joint holds points and angles with one stiffness, which no other unit of length
