@@ -19,7 +19,9 @@ impl Frame {
         match kind {
             JointKind::Revolute { anchor, anchor_b, .. } => {
                 self.place(anchor);
-                anchor_b.iter_mut().for_each(|anchor| self.place(anchor));
+                if let Some(anchor) = anchor_b {
+                    self.place(anchor);
+                }
             }
             JointKind::Weld { anchor } => self.place(anchor),
             JointKind::Prismatic { anchor, axis, .. } | JointKind::Slot { anchor, axis, .. } => {
