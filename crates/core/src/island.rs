@@ -19,23 +19,14 @@ pub(crate) struct Island {
 }
 
 impl Island {
-    /// The same island in another stage; `None` if the stage asks for the same, or if a joint error
-    /// is too large to stay.
+    /// The same island in another stage; `None` if the stage asks for the same.
     pub(crate) fn at(&self, context: &RowContext<'_>) -> Option<Self> {
         let mut island = Self { stage: context.stage, ..self.clone() };
-        let mut changed = false;
         for (source, row) in self.sources.iter().zip(&mut island.problem.rows) {
-            let geometry = context.geometry(*source);
-            if context.stage == Stage::Loose && !context.may_drift(*source, geometry.value) {
-                return None;
-            }
-            let before = (row.rhs, row.compliance);
-            set_right_side(context, *source, &geometry, row);
-            changed |= before != (row.rhs, row.compliance);
+            set_right_side(context, *source, &context.geometry(*source), row);
         }
-        changed |= self.sources.iter().any(|source| context.softness(*source) > 0.0);
         island.problem.soften(|row| context.softness(self.sources[row]));
-        changed.then_some(island)
+        (island.problem.rows != self.problem.rows).then_some(island)
     }
 }
 

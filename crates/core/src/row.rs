@@ -64,11 +64,11 @@ pub enum RowSource {
 /// solution counts, and [`IslandRecord::stage`](crate::IslandRecord::stage) tells it:
 ///
 /// ```text
-///  velocities      Velocity  →  Plastic  →  Loose
+///  velocities      Velocity  →  Loose  →  Plastic
 ///  displacement    Post  →  SoftPost
 /// ```
 ///
-/// `Loose` and `SoftPost` always have one, unless motors or kinematic bodies drive the rows against
+/// `Plastic` and `SoftPost` always have one, unless motors or kinematic bodies drive the rows against
 /// each other (`docs/maths.md`, section 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -76,12 +76,11 @@ pub enum Stage {
     /// The velocities at the end of the step.
     #[default]
     Velocity,
-    /// The same without restitution.
-    Plastic,
-    /// The same without restitution, and without removing position errors: that is left to the
-    /// displacement after the move. Joints give way as far as drift makes them contradict each
-    /// other.
+    /// The same without removing position errors: that is left to the displacement after the move.
+    /// Joints give way as far as drift makes them contradict each other.
     Loose,
+    /// The same as [`Loose`](Self::Loose), without restitution.
+    Plastic,
     /// The displacement that removes position errors after the move.
     Post,
     /// The same where rows give way by [`RowContext::softness`] times Wᵢᵢ per impulse.
@@ -98,14 +97,20 @@ impl Stage {
         matches!(self, Self::Velocity | Self::Plastic | Self::Loose)
     }
 
+    /// Whether position errors stay.
+    #[must_use]
+    pub fn drifts(self) -> bool {
+        matches!(self, Self::Loose | Self::Plastic)
+    }
+
     /// What is tried if this has no solution.
     #[must_use]
     pub fn next(self) -> Option<Self> {
         match self {
-            Self::Velocity => Some(Self::Plastic),
-            Self::Plastic => Some(Self::Loose),
+            Self::Velocity => Some(Self::Loose),
+            Self::Loose => Some(Self::Plastic),
             Self::Post => Some(Self::SoftPost),
-            Self::Loose | Self::SoftPost => None,
+            Self::Plastic | Self::SoftPost => None,
         }
     }
 }
@@ -206,7 +211,7 @@ impl RowContext<'_> {
             }
             (stage, RowSource::Normal { contact }) => {
                 let [a, b] = self.contact_bodies(contact);
-                let bounces = stage == Stage::Velocity;
+                let bounces = stage != Stage::Plastic;
                 let e = if bounces { self.scene.pair_restitution(a, b).value } else { 0.0 };
                 let correction = self.scene.def.stabilisation.contacts;
                 self.unilateral(self.contact_slop(contact), correction).rhs(value, speed, e)
@@ -216,32 +221,13 @@ impl RowContext<'_> {
 
     fn held_rhs(&self, joint: u32, row: u32, value: f64) -> Rhs {
         let (dt, joints) = (self.scene.dt, self.scene.def.stabilisation.joints);
-        match self.joint(joint).softness {
-            Some(softness) => rhs::soft(softness, value, dt),
-            None if self.stage == Stage::Loose => Rhs::default(),
-            None => {
-                let rhs = rhs::rigid(joints, value, dt);
-                if value.abs() <= self.rounding(joint, row) {
-                    Rhs { value: 0.0, ..rhs }
-                } else {
-                    rhs
-                }
-            }
+        if let Some(softness) = self.joint(joint).softness {
+            return rhs::soft(softness, value, dt);
         }
-    }
-
-    /// Joint errors below this are rounding of the poses, m or rad: divided by a small time step
-    /// they would contradict each other where joints depend on each other.
-    fn rounding(&self, joint: u32, row: u32) -> f64 {
-        let Joint { bodies, held, .. } = self.joint(joint);
-        let turns = held[row as usize].measure == crate::measure::Measure::Angle;
-        let place = |b: &usize| {
-            let angle = self.q[*b].z.abs().max(1.0);
-            let far = self.q[*b].xy().amax().max(angle * self.scene.size(*b));
-            if turns { angle } else { far }
-        };
-        let places = bodies.iter().flatten().map(place).filter(|x| x.is_finite());
-        64.0 * f64::EPSILON * places.fold(0.0, f64::max)
+        if self.stage.drifts() && self.is_drift(joint, row, value) {
+            return Rhs::default();
+        }
+        rhs::rigid(joints, value, dt)
     }
 
     /// Greatest speed at which a row's error is removed, m/s or rad/s.
@@ -256,6 +242,15 @@ impl RowContext<'_> {
         };
         let turns = row.measure == crate::measure::Measure::Angle;
         if turns { def.recovery_rate } else { def.recovery_speed }
+    }
+
+    /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
+    fn is_drift(&self, joint: u32, row: u32, value: f64) -> bool {
+        let held = self.joint(joint);
+        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
+        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
+        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
+        value.abs() <= DRIFT * size
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
@@ -273,7 +268,7 @@ impl RowContext<'_> {
     }
 
     /// Part of its own Wᵢᵢ by which a row of this stage gives way. Joints that are mended resist more
-    /// than penetrations. Those of [`Stage::Loose`] only yield where they depend on each other up to
+    /// than penetrations. Those that may drift only yield where they depend on each other up to
     /// their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
     #[must_use]
     pub fn softness(&self, source: RowSource) -> f64 {
@@ -281,20 +276,9 @@ impl RowContext<'_> {
             (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
             (Stage::SoftPost, RowSource::Held { .. }) => 0.0,
             (Stage::SoftPost, _) => 1e-2,
-            (Stage::Loose, RowSource::Held { .. }) => 1e-8,
+            (stage, RowSource::Held { .. }) if stage.drifts() => 1e-8,
             _ => 0.0,
         }
-    }
-
-    /// Whether the position error of a row may stay for a step: it is drift, not a contradiction.
-    #[must_use]
-    pub fn may_drift(&self, source: RowSource, value: f64) -> bool {
-        let RowSource::Held { joint, row } = source else { return true };
-        let held = self.joint(joint);
-        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
-        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
-        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
-        held.softness.is_some() || value.abs() <= DRIFT * size
     }
 
     /// The law of a row; `normal` is the index of the row before, for friction.
@@ -365,10 +349,7 @@ impl RowContext<'_> {
     fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {
         let (def, dt) = (&self.scene.def, self.scene.dt);
         let recovery_speed = def.recovery_speed;
-        let correction = match self.stage {
-            Stage::Loose => Correction::None,
-            _ => correction,
-        };
+        let correction = if self.stage.drifts() { Correction::None } else { correction };
         Unilateral { model: def.contact_model, correction, dt, recovery_speed, slop }
     }
 

@@ -86,7 +86,13 @@ fn solve(
 
 /// A solution more than this times faster than what drives it comes from rows that nearly
 /// contradict each other, and a later stage is tried.
-const WILD: f64 = 30.0;
+fn wild(stage: Stage) -> f64 {
+    match stage {
+        Stage::Post => 4.0,
+        Stage::Velocity => 8.0,
+        Stage::Loose | Stage::Plastic | Stage::SoftPost => 30.0,
+    }
+}
 
 /// The record of one island; of a refusal its bodies and the first stage's error.
 fn solve_island(
@@ -102,10 +108,12 @@ fn solve_island(
     while let Some(island) = next {
         let result = solve_checked(solver, &island.problem, None, &mut scratch.lcp, tolerance);
         match result {
-            Ok((solution, _)) if gives_too_much(context, &island, &solution) => break,
+            Ok((solution, _)) if gives_too_much(context, &island, &solution) => {
+                next = giving_way(context, &island);
+            }
             Ok((solution, residual)) => {
                 let amplification = island.problem.amplification(&solution);
-                if amplification <= WILD {
+                if amplification <= wild(island.stage) {
                     return Ok(record(island, solution, residual.max()));
                 }
                 next = giving_way(context, &island);
@@ -123,7 +131,7 @@ fn solve_island(
     calmest.ok_or_else(|| (island.bodies, refusal.unwrap_or(NOTHING_TRIED)))
 }
 
-/// Joints of [`Stage::Loose`] that give way by more than this, relative to the problem's scale, are
+/// Joints that may drift and give way by more than this, relative to the problem's scale, are
 /// driven against each other. Drift alone takes at most ½ √(1e-8).
 const DRIVEN: f64 = 1e-3;
 
@@ -133,7 +141,7 @@ fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolut
     let gives = |(row, source): (usize, &RowSource)| {
         context.softness(*source) * metric.impulse(row, solution.impulses[row]).abs()
     };
-    island.stage == Stage::Loose
+    island.stage.drifts()
         && island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
 }
 
@@ -190,7 +198,7 @@ fn mend_positions(
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
     let stabilisation = scene.stabilisation();
-    let loose = record.islands.iter().any(|island| island.stage == Stage::Loose);
+    let loose = record.islands.iter().any(|island| island.stage.drifts());
     let mends_joints = loose || stabilisation.joints == Correction::Post;
     if !mends_joints && stabilisation.contacts != Correction::Post {
         return Ok(());

@@ -8,13 +8,15 @@ use tangency_lcp_lemke::candidates;
 
 use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
+use crate::neighbours::neighbours;
 
 /// Interior-point solver with active-set polish.
 ///
-/// Stages, each tried only if the one before left a residual above `tolerance`: the guess through
+/// Stages, each tried only if the one before left a residual above `tolerance` (above `acceptance` from
+/// Lemke's method on): the guess through
 /// the active-set loop; modes read at the free velocities; the interior point, boldly and then
-/// carefully, polished whenever it shows new modes; Lemke's method for problems of moderate size. A
-/// solution is returned if its natural residual is at most `acceptance`.
+/// carefully, polished whenever it shows new modes; Lemke's method for problems of moderate size;
+/// all modes of the few rows that are most in doubt. A solution is returned if its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
@@ -25,7 +27,7 @@ pub struct InteriorPoint {
     pub max_iterations: u32,
     /// Greatest number of mode corrections per attempt of the active-set loop. Default 8.
     pub max_flips: u32,
-    /// Whether a failure is followed by a test for conflicting constraints, which costs two more
+    /// Whether the last stages are preceded by a test for conflicting constraints, which costs two
     /// solves of an easier problem. Default true.
     pub tell_infeasible: bool,
 }
@@ -69,8 +71,31 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
         self.stats.method = Method::ActiveSet;
-        let reached = guess.is_some_and(|guess| self.warm(guess)) || self.cold() || self.enclosed();
-        self.finish(reached)
+        if guess.is_some_and(|guess| self.warm(guess)) || self.cold() {
+            return self.finish();
+        }
+        let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
+        self.stats.method = Method::InteriorPoint;
+        if self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.is_accepted() {
+            return self.finish();
+        }
+        if let Some(residual) = self.conflict() {
+            return Err(LcpError::Infeasible { residual });
+        }
+        let _ = self.pivoting(&form) || self.interior(&form, CAREFUL) || self.enumerated();
+        self.finish()
+    }
+
+    fn is_accepted(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.max() <= self.settings.acceptance)
+    }
+
+    /// The violation of rows that contradict each other: then nothing else needs to be tried.
+    fn conflict(&self) -> Option<f64> {
+        self.settings
+            .tell_infeasible
+            .then(|| conflict(self.polish.problem, &self.settings))
+            .flatten()
     }
 
     /// Takes a candidate into account; true if it is good enough to stop.
@@ -109,16 +134,6 @@ impl Search<'_> {
         }
     }
 
-    /// The stages that need the rows' matrix.
-    fn enclosed(&mut self) -> bool {
-        self.stats.method = Method::InteriorPoint;
-        let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
-        self.interior(&form, BOLD)
-            || self.interior(&form, CAREFUL)
-            || self.pivoting(&form)
-            || self.interior(&form, CAREFUL)
-    }
-
     fn pivoting(&mut self, form: &BoxForm) -> bool {
         self.stats.method = Method::Pivoting;
         self.polish.max_flips *= 5;
@@ -126,6 +141,18 @@ impl Search<'_> {
         candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;
             self.polish_at(form, &y, &mut None)
+        })
+    }
+
+    /// Starts from all modes of the rows that the best candidate leaves in doubt.
+    fn enumerated(&mut self) -> bool {
+        self.stats.method = Method::Enumeration;
+        self.polish.near_miss = 1e-5;
+        self.polish.max_flips = self.settings.max_flips;
+        let Some(best) = self.best.clone() else { return false };
+        neighbours(self.polish.problem, &best.solution).any(|modes| {
+            let candidate = self.polish.modes(modes, None);
+            self.offer(candidate)
         })
     }
 
@@ -161,23 +188,14 @@ impl Search<'_> {
         self.polish.approximate(&approximate).is_some_and(|candidate| self.offer(candidate))
     }
 
-    fn finish(self, reached: bool) -> Result<LcpSolution, LcpError> {
+    fn finish(self) -> Result<LcpSolution, LcpError> {
         let iterations = self.stats.iterations;
-        let Some(best) = self.best else {
-            return Err(LcpError::NotConverged { iterations, residual: f64::INFINITY });
-        };
-        let residual = best.max();
-        if reached || residual <= self.settings.acceptance {
-            Ok(LcpSolution { stats: self.stats, ..best.solution })
-        } else {
-            let conflict = self
-                .settings
-                .tell_infeasible
-                .then(|| conflict(self.polish.problem, &self.settings));
-            match conflict.flatten() {
-                Some(residual) => Err(LcpError::Infeasible { residual }),
-                None => Err(LcpError::NotConverged { iterations, residual }),
+        let residual = self.best.as_ref().map_or(f64::INFINITY, Polished::max);
+        match self.best {
+            Some(best) if self.polish.reached(&best) || residual <= self.settings.acceptance => {
+                Ok(LcpSolution { stats: self.stats, ..best.solution })
             }
+            _ => Err(LcpError::NotConverged { iterations, residual }),
         }
     }
 }

@@ -35,6 +35,8 @@ pub enum Method {
     InteriorPoint,
     /// Lemke's pivoting.
     Pivoting,
+    /// All modes of the rows that were in doubt.
+    Enumeration,
 }
 
 /// What a solve cost.

@@ -51,13 +51,15 @@ impl Tally {
             Method::ActiveSet => "modes at the free velocities",
             Method::InteriorPoint => "interior point",
             Method::Pivoting => "pivoting",
+            Method::Enumeration => "modes in doubt, one after another",
         }
     }
 
     /// Problems that only a last resort solved.
     #[must_use]
     pub fn last_resorts(&self) -> usize {
-        self.problems.get(&Method::Pivoting).copied().unwrap_or(0)
+        let last = [Method::Pivoting, Method::Enumeration];
+        last.iter().filter_map(|method| self.problems.get(method)).sum()
     }
 }
 
