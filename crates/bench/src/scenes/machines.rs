@@ -44,12 +44,12 @@ pub fn motor_arm() -> SceneDef {
     SceneDef { name: "motor arm".into(), bodies, joints, controls, ..SceneDef::default() }
 }
 
-/// The [`motor_arm`] with its elbow 0.3 rad beyond its limit at the start.
+/// The [`motor_arm`] with its elbow 0.3 rad below a lower limit at the start.
 #[must_use]
 pub fn bent_arm() -> SceneDef {
     let mut def = motor_arm();
     if let JointKind::Revolute { limits, .. } = &mut def.joints[1].kind {
-        limits.upper = Some(-0.3);
+        *limits = Limits { lower: Some(0.3), upper: None };
     }
     SceneDef { name: "bent arm".into(), ..def }
 }

@@ -35,7 +35,8 @@ pub(super) fn named() -> Vec<Told> {
 
 /// Joints, limits, motors, springs, a pile, and whatever else a seed brings.
 fn others() -> Vec<Told> {
-    let overdetermined = [parallelogram(3, 1.2), pyramid(4)];
+    let three_cranks = SceneDef { name: "three cranks".into(), ..parallelogram(3, 1.2) };
+    let overdetermined = [three_cranks, pyramid(4)];
     let machines = [
         pendulum(2.5),
         parallelogram(2, 1.2),
