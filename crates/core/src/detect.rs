@@ -24,7 +24,8 @@ pub(crate) fn reach(scene: &Scene, v: &[Vector3<f64>], momentum: &[Vector3<f64>]
         let radius = Some(scene.colliders[i].radius()).filter(|r| r.is_finite()).unwrap_or(0.0);
         let speed = v[i].xy().norm().max(free.xy().norm());
         let rate = v[i].z.abs().max(free.z.abs());
-        let gyration = if scene.is_dynamic(i) { (body.mass.z / body.mass.x).sqrt() } else { 1.0 };
+        let dynamic = scene.is_dynamic(i);
+        let gyration = if dynamic { (body.mass.z / body.mass.x).sqrt() } else { scene.size(i) };
         linear = linear.max(speed + rate * radius);
         angular = angular.max(rate + speed / gyration);
     }

@@ -207,6 +207,7 @@ impl RowContext<'_> {
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
+                    recovery_speed: self.recovery(source),
                     ..self.unilateral(self.limit_slop(joint), self.scene.def.stabilisation.joints)
                 };
                 rule.rhs(value, speed, 0.0)
@@ -235,6 +236,20 @@ impl RowContext<'_> {
         rhs::rigid(joints, value, dt)
     }
 
+    /// Greatest speed at which a row's error is removed, m/s or rad/s.
+    fn recovery(&self, source: RowSource) -> f64 {
+        let def = &self.scene.def;
+        let row = match source {
+            RowSource::Held { joint, row } => self.joint(joint).held[row as usize],
+            RowSource::Lower { joint }
+            | RowSource::Upper { joint }
+            | RowSource::Motor { joint } => self.free(joint),
+            RowSource::Normal { .. } | RowSource::Tangent { .. } => return def.recovery_speed,
+        };
+        let turns = row.measure == crate::measure::Measure::Angle;
+        if turns { def.recovery_rate } else { def.recovery_speed }
+    }
+
     /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
     fn is_drift(&self, joint: u32, row: u32, value: f64) -> bool {
         let held = self.joint(joint);
@@ -245,7 +260,7 @@ impl RowContext<'_> {
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
-        let (dt, speed) = (self.scene.dt, self.scene.def.recovery_speed);
+        let (dt, speed) = (self.scene.dt, self.recovery(source));
         match source {
             RowSource::Held { .. } | RowSource::Motor { .. } => {
                 if self.mends_joints {

@@ -135,7 +135,7 @@ fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolut
     let metric = Metric::new(&island.problem);
     let context = RowContext { stage: island.stage, ..*context };
     let gives = |(row, source): (usize, &RowSource)| {
-        context.softness(*source) * solution.impulses[row].abs() * metric.root[row]
+        context.softness(*source) * metric.impulse(row, solution.impulses[row]).abs()
     };
     island.stage.drifts()
         && island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
