@@ -2,7 +2,7 @@
 
 use tangency_lcp::{
     BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish, Polished,
-    Scratch, SolveStats, Sweeps, solve_linear,
+    Scratch, SolveStats, Sweeps, Walk, solve_linear,
 };
 use tangency_lcp_lemke::candidates;
 
@@ -15,7 +15,8 @@ use crate::neighbours::neighbours;
 /// Stages, each tried only if the one before left a residual above `tolerance` (above `acceptance` from
 /// Lemke's method on): the guess through
 /// the active-set loop; modes read at the free velocities; the interior point, boldly and then
-/// carefully, polished whenever it shows new modes; projected Gauss–Seidel; Lemke's method for problems of moderate size;
+/// carefully, polished whenever it shows new modes; a walk along the active sets that begins at
+/// projected Gauss–Seidel's iterate; Lemke's method for problems of moderate size;
 /// all modes of the few rows that are most in doubt. A solution is returned if its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
@@ -39,9 +40,10 @@ impl Default for InteriorPoint {
     }
 }
 
-/// How often projected Gauss–Seidel's iterate is polished, and after how many sweeps each.
-const ROUNDS: usize = 40;
-const SWEEPS: usize = 25;
+/// After how many sweeps of projected Gauss–Seidel a walk begins.
+const SWEEPS: [usize; 5] = [10, 30, 100, 300, 1000];
+/// Greatest number of steps of a walk.
+const MOST_STEPS: usize = 500;
 
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -86,7 +88,7 @@ impl Search<'_> {
         if let Some(residual) = self.conflict() {
             return Err(LcpError::Infeasible { residual });
         }
-        let _ = self.sweeps()
+        let _ = self.walk()
             || self.pivoting(&form)
             || self.interior(&form, CAREFUL)
             || self.enumerated();
@@ -141,13 +143,15 @@ impl Search<'_> {
         }
     }
 
-    /// Polishes projected Gauss–Seidel's iterate now and then.
-    fn sweeps(&mut self) -> bool {
-        self.stats.method = Method::Sweeps;
-        let mut sweeps = Sweeps::new(self.polish.problem, self.polish.metric);
-        (0..ROUNDS).any(|_| {
-            (0..SWEEPS).for_each(|_| sweeps.sweep());
-            let candidate = self.polish.approximate(&sweeps.approximate());
+    /// Walks from where projected Gauss–Seidel is after more and more sweeps.
+    fn walk(&mut self) -> bool {
+        self.stats.method = Method::Walk;
+        let mut sweeps = Sweeps::new(self.polish.problem);
+        let mut done = 0;
+        SWEEPS.into_iter().any(|count| {
+            (done..count).for_each(|_| sweeps.sweep());
+            done = count;
+            let candidate = Walk::new(self.polish, &sweeps.approximate()).run(MOST_STEPS);
             candidate.is_some_and(|candidate| self.offer(candidate))
         })
     }

@@ -28,6 +28,7 @@ mod solution;
 mod solver;
 mod sweeps;
 mod validate;
+mod walk;
 
 pub use active_set::{ActiveSystem, Fold, Reduced};
 pub use band::{BandMatrix, Cholesky, Lu};
@@ -46,3 +47,4 @@ pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Method, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
 pub use sweeps::Sweeps;
+pub use walk::Walk;

@@ -10,13 +10,13 @@
 
 use nalgebra::Vector3;
 
-use crate::{Law, Lcp, LcpSolution, Metric};
+use crate::{Law, Lcp, LcpSolution};
 
 /// The iterate: impulses, and the velocities that they make.
 #[derive(Clone, Debug)]
 pub struct Sweeps<'a> {
     problem: &'a Lcp,
-    metric: &'a Metric,
+    weights: Vec<f64>,
     velocities: Vec<Vector3<f64>>,
     impulses: Vec<f64>,
 }
@@ -24,9 +24,10 @@ pub struct Sweeps<'a> {
 impl<'a> Sweeps<'a> {
     /// Begins at the free velocities.
     #[must_use]
-    pub fn new(problem: &'a Lcp, metric: &'a Metric) -> Self {
-        let impulses = vec![0.0; problem.rows.len()];
-        Self { problem, metric, velocities: problem.free_velocities(), impulses }
+    pub fn new(problem: &'a Lcp) -> Self {
+        let weights: Vec<f64> = (0..problem.rows.len()).map(|i| problem.row_weight(i)).collect();
+        let impulses = vec![0.0; weights.len()];
+        Self { problem, weights, velocities: problem.free_velocities(), impulses }
     }
 
     /// All rows forwards, then backwards.
@@ -50,7 +51,7 @@ impl<'a> Sweeps<'a> {
         let row = &self.problem.rows[index];
         let before = self.impulses[index];
         let u = row.velocity(&self.velocities) + row.compliance * before - row.rhs;
-        let wanted = before - u / self.metric.root[index].powi(2);
+        let wanted = before - u / self.weights[index];
         let after = match row.law {
             Law::Equality => wanted,
             Law::Unilateral => wanted.max(0.0),

@@ -50,7 +50,7 @@ impl Tally {
             Method::Linear => "one linear solve",
             Method::ActiveSet => "modes at the free velocities",
             Method::InteriorPoint => "interior point",
-            Method::Sweeps => "Gauss–Seidel sweeps",
+            Method::Walk => "walks along active sets",
             Method::Pivoting => "pivoting",
             Method::Enumeration => "modes in doubt, one after another",
         }
@@ -59,7 +59,7 @@ impl Tally {
     /// Problems that only a last resort solved.
     #[must_use]
     pub fn last_resorts(&self) -> usize {
-        let last = [Method::Sweeps, Method::Pivoting, Method::Enumeration];
+        let last = [Method::Walk, Method::Pivoting, Method::Enumeration];
         last.iter().filter_map(|method| self.problems.get(method)).sum()
     }
 }
