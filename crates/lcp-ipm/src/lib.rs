@@ -7,7 +7,6 @@
 
 mod feasibility;
 mod mehrotra;
-mod neighbours;
 mod newton;
 mod raw;
 mod solve;

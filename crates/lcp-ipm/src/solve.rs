@@ -1,14 +1,13 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish, Polished,
-    Scratch, SolveStats, Sweeps, Walk, solve_linear,
+    BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish,
+    Polished, Scratch, SolveStats, Sweeps, Walk, solve_linear,
 };
 use tangency_lcp_lemke::candidates;
 
 use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
-use crate::neighbours::neighbours;
 
 /// Interior-point solver with active-set polish.
 ///
@@ -40,10 +39,14 @@ impl Default for InteriorPoint {
     }
 }
 
-/// After how many sweeps of projected Gauss–Seidel a walk begins.
-const SWEEPS: [usize; 5] = [10, 30, 100, 300, 1000];
+/// Contacts that part faster than this, relative to s*, are out of play.
+const NEAR: f64 = 1e-2;
+/// How often sweeps of projected Gauss–Seidel and a walk follow each other.
+const ROUNDS: usize = 3;
+/// Sweeps before each walk.
+const SWEEPS: usize = 200;
 /// Greatest number of steps of a walk.
-const MOST_STEPS: usize = 500;
+const MOST_STEPS: usize = 300;
 
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -143,27 +146,63 @@ impl Search<'_> {
         }
     }
 
-    /// Walks from where projected Gauss–Seidel is after more and more sweeps.
+    /// Sweeps of projected Gauss–Seidel and walks in turn, each from where the other is.
     fn walk(&mut self) -> bool {
         self.stats.method = Method::Walk;
         let mut sweeps = Sweeps::new(self.polish.problem);
-        let mut done = 0;
-        SWEEPS.into_iter().any(|count| {
-            (done..count).for_each(|_| sweeps.sweep());
-            done = count;
-            let candidate = Walk::new(self.polish, &sweeps.approximate()).run(MOST_STEPS);
+        (0..ROUNDS).any(|_| {
+            (0..SWEEPS).for_each(|_| sweeps.sweep());
+            let mut walk = Walk::new(self.polish, &sweeps.approximate());
+            let candidate = walk.run(MOST_STEPS);
+            sweeps = Sweeps::from(self.polish.problem, walk.impulses().to_vec());
             candidate.is_some_and(|candidate| self.offer(candidate))
         })
     }
 
+    /// Lemke's method on the rows in play, then on all.
     fn pivoting(&mut self, form: &BoxForm) -> bool {
         self.stats.method = Method::Pivoting;
         self.polish.max_flips *= 5;
         self.polish.near_miss = 1.0;
+        let problem = self.polish.problem;
+        let kept = self.in_play();
+        let part = problem.select(&kept);
+        let fewer = kept.len() < problem.rows.len() && {
+            let form = BoxForm::of_rows(&part, &Metric::new(&part));
+            self.pivot(&form, |impulses| spread(problem.rows.len(), &kept, impulses))
+        };
+        fewer || self.pivot(form, |impulses| impulses)
+    }
+
+    fn pivot(&mut self, form: &BoxForm, whole: impl Fn(Vec<f64>) -> Vec<f64>) -> bool {
         candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;
-            self.polish_at(form, &y, &mut None)
+            self.polish_impulses(whole(form.impulses(&y)))
         })
+    }
+
+    /// Rows that have an impulse after some sweeps, or might soon.
+    fn in_play(&self) -> Vec<usize> {
+        let (problem, metric) = (self.polish.problem, self.polish.metric);
+        let mut sweeps = Sweeps::new(problem);
+        (0..SWEEPS).for_each(|_| sweeps.sweep());
+        let near = sweeps.approximate();
+        let slacks = problem.remainders(&near.velocities, &near.impulses);
+        let touches = |row: usize| {
+            near.impulses[row] > 0.0 || metric.remainder(row, slacks[row]) < NEAR * metric.scale
+        };
+        let plays = |row: &usize| match problem.rows[*row].law {
+            Law::Unilateral => touches(*row),
+            Law::Friction { normal, .. } => touches(normal as usize),
+            Law::Equality | Law::Bounded { .. } => true,
+        };
+        (0..problem.rows.len()).filter(plays).collect()
+    }
+
+    fn polish_impulses(&mut self, impulses: Vec<f64>) -> bool {
+        let velocities = self.polish.problem.velocities(&impulses);
+        let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
+        self.polish.approximate(&approximate).is_some_and(|candidate| self.offer(candidate))
     }
 
     /// Starts from all modes of the rows that the best candidate leaves in doubt.
@@ -172,7 +211,7 @@ impl Search<'_> {
         self.polish.near_miss = 1e-5;
         self.polish.max_flips = self.settings.max_flips;
         let Some(best) = self.best.clone() else { return false };
-        neighbours(self.polish.problem, &best.solution).any(|modes| {
+        self.polish.problem.neighbours(&best.solution).any(|modes| {
             let candidate = self.polish.modes(modes, None);
             self.offer(candidate)
         })
@@ -220,4 +259,13 @@ impl Search<'_> {
             _ => Err(LcpError::NotConverged { iterations, residual }),
         }
     }
+}
+
+/// Impulses of all rows from those of some.
+fn spread(rows: usize, kept: &[usize], impulses: Vec<f64>) -> Vec<f64> {
+    let mut all = vec![0.0; rows];
+    for (row, impulse) in kept.iter().zip(impulses) {
+        all[*row] = impulse;
+    }
+    all
 }

@@ -9,7 +9,7 @@ use crate::candidates;
 
 /// Lemke's method with eight covering vectors in turn, each answer polished.
 ///
-/// Takes problems of at most 400 complementary pairs (one per contact, limit or joint stop, two more
+/// Takes problems of at most 1200 complementary pairs (one per contact, limit or joint stop, two more
 /// per friction row or motor); larger ones are not tried. Work is bounded: 8 n + 200 pivots per
 /// covering vector.
 #[derive(Clone, Copy, Debug, PartialEq)]

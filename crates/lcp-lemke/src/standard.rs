@@ -22,14 +22,18 @@ use crate::tableau::{Outcome, lemke};
 /// Singular values of W_EE below this count as zero.
 const DEPENDENT: f64 = 1e-9;
 /// Above this number of pairs a dense tableau costs too much.
-const MOST_PAIRS: usize = 400;
-/// Covering vectors tried.
+const MOST_PAIRS: usize = 1200;
+/// Covering vectors tried, and how many of them where a pivot costs much.
 const ATTEMPTS: u64 = 8;
+const FEW_ATTEMPTS: u64 = 3;
+/// Above this number of pairs a pivot costs much.
+const MANY_PAIRS: usize = 400;
 
 /// Candidates y from Lemke's method, one per attempt that ended in a solution.
 pub fn candidates(form: &BoxForm) -> impl Iterator<Item = (Vec<f64>, u32)> {
     let standard = (form.pairs() <= MOST_PAIRS).then(|| Standard::new(form)).flatten();
-    (0..ATTEMPTS).filter_map(move |attempt| standard.as_ref()?.attempt(attempt))
+    let attempts = if form.pairs() > MANY_PAIRS { FEW_ATTEMPTS } else { ATTEMPTS };
+    (0..attempts).filter_map(move |attempt| standard.as_ref()?.attempt(attempt))
 }
 
 /// w = M z + q over pairs, and y = y₀ + Y z.

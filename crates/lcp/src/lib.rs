@@ -10,6 +10,7 @@ mod active_set;
 mod amplification;
 mod band;
 mod box_form;
+mod combinations;
 mod delassus;
 mod dense;
 mod error;

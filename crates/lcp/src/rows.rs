@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::{Lcp, NO_BODY, Row};
+use crate::{Law, Lcp, NO_BODY, Row};
 
 impl Row {
     /// The blocks that belong to a body: (body index, 1 × 3 block).
@@ -86,6 +86,26 @@ impl Lcp {
         for i in 0..self.rows.len() {
             self.rows[i].compliance += softness(i) * self.rigid_weight(i);
         }
+    }
+
+    /// The problem with these rows only, which must be ascending and name each friction row's normal
+    /// row, too.
+    ///
+    /// # Panics
+    /// If a friction row is kept without its normal row.
+    #[must_use]
+    pub fn select(&self, kept: &[usize]) -> Self {
+        let place = |row: usize| kept.binary_search(&row).expect("the normal row is kept, too");
+        let pick = |row: &usize| {
+            let mut row = self.rows[*row].clone();
+            if let Law::Friction { normal, .. } = &mut row.law {
+                let place = place(*normal as usize);
+                *normal = u32::try_from(place).expect("fewer rows than u32 counts");
+            }
+            row
+        };
+        let rows = kept.iter().map(pick).collect();
+        Self { rows, mass: self.mass.clone(), momentum: self.momentum.clone() }
     }
 
     /// Dense Delassus form u = W λ + q: W = J M⁻¹ Jᵀ + diag(c), m × m; q = J M⁻¹ p − b, m.

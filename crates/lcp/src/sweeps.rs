@@ -30,6 +30,13 @@ impl<'a> Sweeps<'a> {
         Self { problem, weights, velocities: problem.free_velocities(), impulses }
     }
 
+    /// Begins at impulses within their laws.
+    #[must_use]
+    pub fn from(problem: &'a Lcp, impulses: Vec<f64>) -> Self {
+        let velocities = problem.velocities(&impulses);
+        Self { velocities, impulses, ..Self::new(problem) }
+    }
+
     /// All rows forwards, then backwards.
     pub fn sweep(&mut self) {
         let count = self.impulses.len();

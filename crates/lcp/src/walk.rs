@@ -22,8 +22,19 @@ use crate::{ActiveSystem, Law, LcpSolution, Metric, Mode, Polish, Polished};
 /// Rows keep their modes while they violate them by less than this, relative to s*.
 const KEEP: f64 = 1e-12;
 
-/// A row that no mode suits this often in a row ends the walk.
-const MOST_ATTEMPTS: usize = 6;
+/// A row is left aside once none of its modes leads on.
+const MOST_ATTEMPTS: usize = 3;
+
+/// What a whole step left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Violated {
+    /// Nothing: a solution.
+    None,
+    /// This row.
+    Row(usize),
+    /// Rows of which no mode leads on.
+    AllTried,
+}
 
 /// Admissible impulses, and modes that go with them.
 #[derive(Clone, Debug)]
@@ -31,8 +42,10 @@ pub struct Walk<'a> {
     polish: Polish<'a>,
     impulses: Vec<f64>,
     modes: Vec<Mode>,
-    /// The row that was violated last, and how often in a row.
-    again: (usize, usize),
+    /// How often each row was tried since the last one that led on.
+    tried: Vec<usize>,
+    /// The rows whose modes changed, in order.
+    changed: Vec<usize>,
 }
 
 impl<'a> Walk<'a> {
@@ -41,12 +54,19 @@ impl<'a> Walk<'a> {
     pub fn new(polish: Polish<'a>, start: &LcpSolution) -> Self {
         let slacks = polish.problem.remainders(&start.velocities, &start.impulses);
         let (impulses, modes) = (start.impulses.clone(), Vec::new());
-        let mut walk = Self { polish, impulses, modes, again: (usize::MAX, 0) };
+        let tried = vec![0; impulses.len()];
+        let mut walk = Self { polish, impulses, modes, tried, changed: Vec::new() };
         for (row, slack) in slacks.iter().enumerate() {
             let mode = walk.mode_at(row, *slack);
             walk.modes.push(mode);
         }
         walk
+    }
+
+    /// Where the walk is.
+    #[must_use]
+    pub fn impulses(&self) -> &[f64] {
+        &self.impulses
     }
 
     /// Walks until no row is violated, and polishes; `None` after `most` steps, or where no mode of a
@@ -65,16 +85,26 @@ impl<'a> Walk<'a> {
             }
             let slacks = self.polish.problem.remainders(&reduced.velocities, &self.impulses);
             // One at a time, and after a while the last one, which cannot cycle (Murty 1974).
-            let last = step > most / 2;
-            let Some(row) = self.violated(&slacks, last) else {
-                return Some(self.polish.modes(self.modes.clone(), Some(&self.impulses)));
-            };
-            self.close(row, &slacks);
-            if self.again.1 > MOST_ATTEMPTS {
-                return None;
+            match self.violated(&slacks, step > most / 2) {
+                Violated::None => {
+                    return Some(self.polish.modes(self.modes.clone(), Some(&self.impulses)));
+                }
+                Violated::Row(row) => self.close(row, &slacks),
+                Violated::AllTried => return None,
             }
         }
         None
+    }
+
+    /// All modes of the rows that changed last: those of a circle, if the walk ended in one.
+    #[must_use]
+    pub fn enumerate(&self) -> Option<Polished> {
+        let recent: Vec<usize> = self.changed.iter().rev().copied().collect();
+        let mut combinations = self.polish.problem.combinations(&self.modes, &recent);
+        combinations.find_map(|modes| {
+            let candidate = self.polish.modes(modes, Some(&self.impulses));
+            self.polish.reached(&candidate).then_some(candidate)
+        })
     }
 
     /// Steps towards the target; the row that blocks, and its mode from now on.
@@ -116,19 +146,21 @@ impl<'a> Walk<'a> {
     /// Gives a row its mode; the friction of a contact that opens goes with it.
     fn set(&mut self, row: usize, mode: Mode) {
         self.modes[row] = mode;
+        self.changed.push(row);
         if mode == Mode::Open {
             self.impulses[row] = 0.0;
-            if let Some(friction) = self.friction_of(row) {
+            if let Some(friction) = self.polish.problem.friction_of(row) {
                 self.modes[friction] = Mode::Open;
                 self.impulses[friction] = 0.0;
             }
         }
     }
 
-    /// The row whose mode its slack violates most, or the last one that does.
-    fn violated(&self, slacks: &[f64], last: bool) -> Option<usize> {
+    /// The row whose mode its slack violates most, or the last one that does, of those that may
+    /// still lead on.
+    fn violated(&self, slacks: &[f64], last: bool) -> Violated {
         let metric: &Metric = self.polish.metric;
-        let (mut worst, mut found) = (KEEP * metric.scale, None);
+        let (mut worst, mut found) = (KEEP * metric.scale, Violated::None);
         for (row, slack) in slacks.iter().enumerate() {
             let u = metric.remainder(row, *slack);
             let violation = match (self.polish.problem.rows[row].law, self.modes[row]) {
@@ -136,11 +168,16 @@ impl<'a> Walk<'a> {
                 (_, Mode::Upper) => u,
                 _ => continue,
             };
-            if violation > worst {
-                found = Some(row);
-                if !last {
-                    worst = violation;
-                }
+            if violation <= worst {
+                continue;
+            }
+            if self.tried[row] >= MOST_ATTEMPTS {
+                found = if found == Violated::None { Violated::AllTried } else { found };
+                continue;
+            }
+            found = Violated::Row(row);
+            if !last {
+                worst = violation;
             }
         }
         found
@@ -149,14 +186,18 @@ impl<'a> Walk<'a> {
     /// A violated row takes another mode: the likeliest first, and another each time that it is
     /// violated again at once.
     fn close(&mut self, row: usize, slacks: &[f64]) {
-        self.again = (row, if self.again.0 == row { self.again.1 + 1 } else { 0 });
-        let attempt = self.again.1;
+        if self.changed.last().is_some_and(|last| *last != row && self.modes[*last] != Mode::Open) {
+            self.tried.fill(0); // the last one led on
+        }
+        let attempt = self.tried[row];
+        self.tried[row] += 1;
+        self.changed.push(row);
         if self.modes[row] != Mode::Open {
             self.slide_back(row, attempt);
             return;
         }
         self.modes[row] = Mode::Active;
-        if let Some(friction) = self.friction_of(row) {
+        if let Some(friction) = self.polish.problem.friction_of(row) {
             let (against, along) = if slacks[friction] > 0.0 {
                 (Mode::Lower, Mode::Upper)
             } else {
@@ -174,15 +215,6 @@ impl<'a> Walk<'a> {
         }
         self.impulses[row] = -self.impulses[row];
         self.modes[row] = if self.modes[row] == Mode::Upper { Mode::Lower } else { Mode::Upper };
-    }
-
-    /// A friction row stands right behind its normal row, or is none.
-    fn friction_of(&self, row: usize) -> Option<usize> {
-        let is_friction = |other: &usize| match self.polish.problem.rows[*other].law {
-            Law::Friction { normal, .. } => normal as usize == row,
-            _ => false,
-        };
-        (row + 1..self.modes.len()).find(is_friction)
     }
 
     fn mode_at(&self, row: usize, slack: f64) -> Mode {
