@@ -83,7 +83,7 @@ pub fn write_csv(reports: &[Report], to: impl io::Write) -> Result<(), csv::Erro
 /// The page: per backend a summary, what the steps took, and the table.
 #[must_use]
 pub fn markdown(reports: &[Report], titles: &[(&str, &str)]) -> String {
-    let mut page = String::from("# Validation\n");
+    let mut page = String::from(INTRODUCTION);
     for report in reports {
         let _ = write!(page, "\n## {}\n\n{}.\n\n", report.backend, report.summary());
         let _ = writeln!(page, "{}\n", Took(&report.tally));
@@ -99,6 +99,18 @@ pub fn markdown(reports: &[Report], titles: &[(&str, &str)]) -> String {
     }
     page
 }
+
+const INTRODUCTION: &str = "# Validation
+
+Physics with known answers: closed forms, conservation laws, exact rational solutions and references of
+high precision, against what the engine makes of them. `tangency validate --long` writes this page and the
+same table as CSV; `tangency validate V05` measures one case. The tests run the same cases.
+
+A figure without further words is one that plain fixed stepping must meet. Those marked *fine* and *impact*
+belong to steppings that locate events inside a step: they are measured with plain steps of a millisecond
+and listed so that nothing hides; *not reached yet* is no failure. *Refused* means that a backend said that
+a matrix is not of the class that it solves.
+";
 
 const HEADER: &str =
     "| quantity | expected | got | error | tolerance | |\n|---|--:|--:|--:|--:|---|\n";
