@@ -6,6 +6,7 @@
 //! seeds.
 
 pub mod finite_difference;
+pub mod mutation;
 pub mod problems;
 mod random_scene;
 pub mod scenes;

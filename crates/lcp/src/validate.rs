@@ -15,7 +15,7 @@ impl Lcp {
         for (index, (mass, momentum)) in self.mass.iter().zip(&self.momentum).enumerate() {
             for &value in mass {
                 finite("mass", index, value)?;
-                in_range("mass", index, value, value > 0.0)?;
+                in_range("mass", index, value, value > 0.0 && value.recip().is_finite())?;
             }
             momentum.iter().try_for_each(|&value| finite("momentum", index, value))?;
         }
