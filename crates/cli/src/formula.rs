@@ -12,6 +12,10 @@
 
 use std::f64::consts::PI;
 
+/// Formulas of more bytes, or nested deeper, are refused: they are read and evaluated recursively.
+const LONGEST: usize = 4000;
+const DEEPEST: usize = 100;
+
 /// A formula whose variables are of type `V`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula<V> {
@@ -69,7 +73,11 @@ impl<V: PartialEq> Formula<V> {
         text: &str,
         resolve: impl Fn(&str) -> Result<V, String>,
     ) -> Result<Self, FormulaError> {
-        let mut parser = Parser { text, at: 0, variables: Vec::new(), resolve };
+        let mut parser = Parser { text, at: 0, depth: 0, variables: Vec::new(), resolve };
+        if text.len() > LONGEST {
+            let message = format!("{} bytes are too many; {LONGEST} are allowed", text.len());
+            return Err(parser.error(message));
+        }
         let root = parser.sum()?;
         match parser.peek() {
             None => Ok(Self { variables: parser.variables, root }),
@@ -88,6 +96,8 @@ impl<V: PartialEq> Formula<V> {
 struct Parser<'a, V, R> {
     text: &'a str,
     at: usize,
+    /// How deep the place is nested.
+    depth: usize,
     variables: Vec<V>,
     resolve: R,
 }
@@ -110,6 +120,16 @@ impl<V: PartialEq, R: Fn(&str) -> Result<V, String>> Parser<'_, V, R> {
     }
 
     fn sign(&mut self) -> Result<Node, FormulaError> {
+        if self.depth == DEEPEST {
+            return Err(self.error(format!("nested more than {DEEPEST} deep; simplify it")));
+        }
+        self.depth += 1;
+        let node = self.signed();
+        self.depth -= 1;
+        node
+    }
+
+    fn signed(&mut self) -> Result<Node, FormulaError> {
         match self.accept(&['+', '-']) {
             Some('-') => Ok(Node::Negative(Box::new(self.sign()?))),
             Some(_) => self.sign(),
