@@ -16,6 +16,7 @@ mod conformance;
 mod conservation;
 mod determinism;
 mod forces;
+mod fuzzed;
 mod gradients;
 mod joints;
 mod modelling;
