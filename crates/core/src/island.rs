@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use tangency_lcp::{Law, Lcp, NO_BODY, Row};
 
-use crate::row::{RowContext, RowGeometry, RowSource, Stage, softness};
+use crate::row::{RowContext, RowGeometry, RowSource, Stage};
 
 /// The problem of one island, and what its bodies and rows are.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,26 +19,14 @@ pub(crate) struct Island {
 }
 
 impl Island {
-    /// The same island in another stage; `None` if the stage asks for the same, or if a joint error
-    /// is too large to stay.
+    /// The same island in another stage; `None` if the stage asks for the same.
     pub(crate) fn at(&self, context: &RowContext<'_>) -> Option<Self> {
         let mut island = Self { stage: context.stage, ..self.clone() };
-        let mut changed = false;
         for (source, row) in self.sources.iter().zip(&mut island.problem.rows) {
-            let geometry = context.geometry(*source);
-            if context.stage == Stage::Loose && !context.may_drift(*source, geometry.value) {
-                return None;
-            }
-            let before = (row.rhs, row.compliance);
-            set_right_side(context, *source, &geometry, row);
-            changed |= before != (row.rhs, row.compliance);
+            set_right_side(context, *source, &context.geometry(*source), row);
         }
-        if context.stage == Stage::SoftPost {
-            let gives = |law| context.mends_joints || law != Law::Equality;
-            island.problem.soften(|law| if gives(law) { softness(law) } else { 0.0 });
-            changed = true;
-        }
-        changed.then_some(island)
+        island.problem.soften(|row| context.softness(self.sources[row]));
+        (island.problem.rows != self.problem.rows).then_some(island)
     }
 }
 

@@ -52,8 +52,8 @@ pub struct PostRecord {
     pub moved: Vec<Vector3<f64>>,
     /// The step's contacts, evaluated there.
     pub contacts: Vec<Contact>,
-    /// Whether joints were closed, too: the scene asks for it, or an island was
-    /// [`Loose`](Stage::Loose).
+    /// Whether joints were closed, too: the scene asks for it, or an island
+    /// [let errors stay](Stage::drifts).
     pub mends_joints: bool,
     /// The problems; their velocities are the displacement divided by dt.
     pub islands: Vec<IslandRecord>,
@@ -109,10 +109,10 @@ pub struct Counts {
     pub factorisations: usize,
     /// Whether positions were mended after the move.
     pub mended: bool,
-    /// Islands that gave up restitution ([`Stage::Plastic`]).
-    pub plastic_islands: usize,
-    /// Islands that also let joint errors and penetrations stay ([`Stage::Loose`]).
+    /// Islands that let position errors stay for the step ([`Stage::Loose`]).
     pub loose_islands: usize,
+    /// Islands that also gave up restitution ([`Stage::Plastic`]).
+    pub plastic_islands: usize,
     /// Islands whose positions could only be mended in part ([`Stage::SoftPost`]).
     pub soft_islands: usize,
 }

@@ -64,11 +64,11 @@ pub enum RowSource {
 /// solution counts, and [`IslandRecord::stage`](crate::IslandRecord::stage) tells it:
 ///
 /// ```text
-///  velocities      Velocity  →  Plastic  →  Loose
+///  velocities      Velocity  →  Loose  →  Plastic
 ///  displacement    Post  →  SoftPost
 /// ```
 ///
-/// `Loose` and `SoftPost` always have one, unless motors or kinematic bodies drive the rows against
+/// `Plastic` and `SoftPost` always have one, unless motors or kinematic bodies drive the rows against
 /// each other (`docs/maths.md`, section 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -76,23 +76,15 @@ pub enum Stage {
     /// The velocities at the end of the step.
     #[default]
     Velocity,
-    /// The same without restitution.
-    Plastic,
-    /// The same without restitution, and without removing position errors: that is left to the
-    /// displacement after the move.
+    /// The same without removing position errors: that is left to the displacement after the move.
+    /// Joints give way as far as drift makes them contradict each other.
     Loose,
+    /// The same as [`Loose`](Self::Loose), without restitution.
+    Plastic,
     /// The displacement that removes position errors after the move.
     Post,
-    /// The same where each row gives way by its [`softness`] times Wᵢᵢ per impulse; joints do so
-    /// only if they are to be closed.
+    /// The same where rows give way by [`RowContext::softness`] times Wᵢᵢ per impulse.
     SoftPost,
-}
-
-/// Part of its own Wᵢᵢ by which a row of [`Stage::SoftPost`] gives way; joints resist more than
-/// contacts and limits.
-#[must_use]
-pub fn softness(law: Law) -> f64 {
-    if law == Law::Equality { 1e-4 } else { 1e-2 }
 }
 
 /// Joint errors above this part of a body's size (or this many rad) do not give way.
@@ -105,14 +97,20 @@ impl Stage {
         matches!(self, Self::Velocity | Self::Plastic | Self::Loose)
     }
 
+    /// Whether position errors stay.
+    #[must_use]
+    pub fn drifts(self) -> bool {
+        matches!(self, Self::Loose | Self::Plastic)
+    }
+
     /// What is tried if this has no solution.
     #[must_use]
     pub fn next(self) -> Option<Self> {
         match self {
-            Self::Velocity => Some(Self::Plastic),
-            Self::Plastic => Some(Self::Loose),
+            Self::Velocity => Some(Self::Loose),
+            Self::Loose => Some(Self::Plastic),
             Self::Post => Some(Self::SoftPost),
-            Self::Loose | Self::SoftPost => None,
+            Self::Plastic | Self::SoftPost => None,
         }
     }
 }
@@ -199,7 +197,7 @@ impl RowContext<'_> {
         match (self.stage, source) {
             (_, RowSource::Tangent { .. }) => Rhs::default(),
             (Stage::Post | Stage::SoftPost, _) => self.post_rhs(source, value),
-            (_, RowSource::Held { joint, .. }) => self.held_rhs(joint, value),
+            (_, RowSource::Held { joint, row }) => self.held_rhs(joint, row, value),
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
@@ -212,7 +210,7 @@ impl RowContext<'_> {
             }
             (stage, RowSource::Normal { contact }) => {
                 let [a, b] = self.contact_bodies(contact);
-                let bounces = stage == Stage::Velocity;
+                let bounces = stage != Stage::Plastic;
                 let e = if bounces { self.scene.pair_restitution(a, b).value } else { 0.0 };
                 let correction = self.scene.def.stabilisation.contacts;
                 self.unilateral(self.contact_slop(contact), correction).rhs(value, speed, e)
@@ -220,16 +218,25 @@ impl RowContext<'_> {
         }
     }
 
-    fn held_rhs(&self, joint: u32, value: f64) -> Rhs {
+    fn held_rhs(&self, joint: u32, row: u32, value: f64) -> Rhs {
         let (dt, joints) = (self.scene.dt, self.scene.def.stabilisation.joints);
-        match self.joint(joint).softness {
-            Some(softness) => rhs::soft(softness, value, dt),
-            None if self.stage == Stage::Loose => Rhs::default(),
-            None => {
-                let rhs = rhs::rigid(joints, value, dt);
-                if value.abs() <= self.rounding(joint) { Rhs { value: 0.0, ..rhs } } else { rhs }
-            }
+        if let Some(softness) = self.joint(joint).softness {
+            return rhs::soft(softness, value, dt);
         }
+        if self.stage.drifts() && self.is_drift(joint, row, value) {
+            return Rhs::default();
+        }
+        let rhs = rhs::rigid(joints, value, dt);
+        if value.abs() <= self.rounding(joint) { Rhs { value: 0.0, ..rhs } } else { rhs }
+    }
+
+    /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
+    fn is_drift(&self, joint: u32, row: u32, value: f64) -> bool {
+        let held = self.joint(joint);
+        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
+        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
+        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
+        value.abs() <= DRIFT * size
     }
 
     /// Joint errors below this are rounding of the poses, m or rad: divided by a small time step
@@ -254,15 +261,18 @@ impl RowContext<'_> {
         }
     }
 
-    /// Whether the position error of a row may stay for a step: it is drift, not a contradiction.
+    /// Part of its own Wᵢᵢ by which a row of this stage gives way. Joints that are mended resist more
+    /// than penetrations. Those that may drift only yield where they depend on each other up to
+    /// their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
     #[must_use]
-    pub fn may_drift(&self, source: RowSource, value: f64) -> bool {
-        let RowSource::Held { joint, row } = source else { return true };
-        let held = self.joint(joint);
-        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
-        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
-        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
-        held.softness.is_some() || value.abs() <= DRIFT * size
+    pub fn softness(&self, source: RowSource) -> f64 {
+        match (self.stage, source) {
+            (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
+            (Stage::SoftPost, RowSource::Held { .. }) => 0.0,
+            (Stage::SoftPost, _) => 1e-2,
+            (stage, RowSource::Held { .. }) if stage.drifts() => 1e-8,
+            _ => 0.0,
+        }
     }
 
     /// The law of a row; `normal` is the index of the row before, for friction.
@@ -333,10 +343,7 @@ impl RowContext<'_> {
     fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {
         let (def, dt) = (&self.scene.def, self.scene.dt);
         let recovery_speed = def.recovery_speed;
-        let correction = match self.stage {
-            Stage::Loose => Correction::None,
-            _ => correction,
-        };
+        let correction = if self.stage.drifts() { Correction::None } else { correction };
         Unilateral { model: def.contact_model, correction, dt, recovery_speed, slop }
     }
 

@@ -9,13 +9,13 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, LcpSolver, Scratch, solve_checked};
+use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Scratch, solve_checked};
 
 use crate::detect::{Reach, detect, reach, rows};
 use crate::island::{Island, assemble};
 use crate::momentum::momentum;
 use crate::record::{IslandRecord, Path, PostRecord, StepRecord};
-use crate::row::{RowContext, Stage};
+use crate::row::{RowContext, RowSource, Stage};
 use crate::scene::Scene;
 use crate::{Correction, State, StepError};
 
@@ -86,7 +86,9 @@ fn solve(
 
 /// A solution more than this times faster than what drives it comes from rows that nearly
 /// contradict each other, and a later stage is tried.
-const WILD: f64 = 30.0;
+fn wild(stage: Stage) -> f64 {
+    if matches!(stage, Stage::Velocity | Stage::Post) { 8.0 } else { 30.0 }
+}
 
 /// The record of one island; of a refusal its bodies and the first stage's error.
 fn solve_island(
@@ -102,9 +104,12 @@ fn solve_island(
     while let Some(island) = next {
         let result = solve_checked(solver, &island.problem, None, &mut scratch.lcp, tolerance);
         match result {
+            Ok((solution, _)) if gives_too_much(context, &island, &solution) => {
+                next = giving_way(context, &island);
+            }
             Ok((solution, residual)) => {
                 let amplification = island.problem.amplification(&solution);
-                if amplification <= WILD {
+                if amplification <= wild(island.stage) {
                     return Ok(record(island, solution, residual.max()));
                 }
                 next = giving_way(context, &island);
@@ -120,6 +125,20 @@ fn solve_island(
         }
     }
     calmest.ok_or_else(|| (island.bodies, refusal.unwrap_or(NOTHING_TRIED)))
+}
+
+/// Joints that may drift and give way by more than this, relative to the problem's scale, are
+/// driven against each other. Drift alone takes at most ½ √(1e-8).
+const DRIVEN: f64 = 1e-3;
+
+fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolution) -> bool {
+    let metric = Metric::new(&island.problem);
+    let context = RowContext { stage: island.stage, ..*context };
+    let gives = |(row, source): (usize, &RowSource)| {
+        context.softness(*source) * solution.impulses[row].abs() * metric.root[row]
+    };
+    island.stage.drifts()
+        && island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
 }
 
 const NOTHING_TRIED: LcpError = LcpError::NotConverged { iterations: 0, residual: f64::INFINITY };
@@ -175,7 +194,7 @@ fn mend_positions(
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
     let stabilisation = scene.stabilisation();
-    let loose = record.islands.iter().any(|island| island.stage == Stage::Loose);
+    let loose = record.islands.iter().any(|island| island.stage.drifts());
     let mends_joints = loose || stabilisation.joints == Correction::Post;
     if !mends_joints && stabilisation.contacts != Correction::Post {
         return Ok(());

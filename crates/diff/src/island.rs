@@ -15,17 +15,19 @@ use crate::contact_row::{self, ContactBars};
 use crate::joint_row;
 use crate::lcp::{LcpVector, RowVector};
 use crate::momentum::stack;
+use crate::softening;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
 
 /// Pulls the gradient by an island's problem back onto state, control and scene.
 pub(crate) fn vjp(
     context: &RowContext<'_>,
     island: &IslandRecord,
-    problem_bar: &LcpVector,
+    mut problem_bar: LcpVector,
     contacts: &mut ContactBars,
     bars: &mut Bars<'_>,
 ) {
     let context = &RowContext { stage: island.stage, ..*context };
+    softening::vjp(context, island, &mut problem_bar);
     for (body, mass_bar) in island.bodies.iter().zip(&problem_bar.mass) {
         bars.scene.bodies[*body as usize].mass += mass_bar;
     }
@@ -93,6 +95,7 @@ pub(crate) fn jvp(
         row.compliance = rhs.compliance_d_dt * along.scene.dt;
         push_parameters(context, *source, row, &rhs, along);
     }
+    softening::jvp(context, island, &mut change);
     change
 }
 

@@ -15,7 +15,7 @@ use crate::error::DiffError;
 use crate::lcp::{lcp_jvp, lcp_vjp};
 use crate::report::GradientReport;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
-use crate::{island, momentum, sizes, softening};
+use crate::{island, momentum, sizes};
 
 /// Pulls `after_bar` = ∂L/∂(state after the step) back: returns ∂L/∂(state before), and adds to
 /// `control` (one number per channel), `out` and `report`.
@@ -59,7 +59,7 @@ pub fn step_vjp(
         for (body, bar) in island.bodies.iter().zip(&problem_bar.momentum) {
             p_bar[*body as usize] += bar;
         }
-        island::vjp(&context, island, &problem_bar, &mut contacts, &mut bars);
+        island::vjp(&context, island, problem_bar, &mut contacts, &mut bars);
     }
     contacts.pull_back(&context, &mut bars);
     momentum::vjp(&context, before.time, &p_bar, &mut bars);
@@ -142,13 +142,9 @@ fn post_vjp(
             bars.scene.dt += seed.dot(w);
             *seed *= scene.dt();
         }
-        let (mut problem_bar, lcp_report) =
-            lcp_vjp(&island.problem, &island.solution, &seed, None)?;
+        let (problem_bar, lcp_report) = lcp_vjp(&island.problem, &island.solution, &seed, None)?;
         report.add(island, &lcp_report);
-        if island.stage == Stage::SoftPost {
-            softening::vjp(&island.problem, &mut problem_bar);
-        }
-        island::vjp(&context, island, &problem_bar, &mut contacts, bars);
+        island::vjp(&context, island, problem_bar, &mut contacts, bars);
     }
     contacts.pull_back(&context, bars);
     Ok(())
@@ -168,10 +164,7 @@ fn post_jvp(
     let contacts = contact_changes(&context, &direction);
     let still = vec![Vector3::zeros(); d_moved.q.len()];
     for island in &post.islands {
-        let mut change = island::jvp(&context, island, &contacts, &still, &direction);
-        if island.stage == Stage::SoftPost {
-            softening::jvp(&island.problem, &mut change);
-        }
+        let change = island::jvp(&context, island, &contacts, &still, &direction);
         let (dw, _) = lcp_jvp(&island.problem, &island.solution, &change)?;
         for ((body, dw), w) in island.bodies.iter().zip(&dw).zip(&island.solution.velocities) {
             d_after.q[*body as usize] += dw * scene.dt() + w * along.dt;

@@ -86,8 +86,7 @@ impl LcpSolver for Clarabel {
         if metric.scale == 0.0 {
             metric.scale = 1.0; // everything is zero, and so is the solution
         }
-        let (target, max_flips) = (self.tolerance, self.max_flips);
-        let polish = Polish { problem, metric: &metric, target, max_flips };
+        let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
         let mut search = Search { settings: self, polish, stats, best: None };
         if guess.is_some_and(|guess| search.warm(guess)) {

@@ -53,8 +53,7 @@ impl LcpSolver for InteriorPoint {
             return solve_linear(problem);
         }
         let metric = Metric::new(problem);
-        let polish =
-            Polish { problem, metric: &metric, target: self.tolerance, max_flips: self.max_flips };
+        let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         Search { settings: *self, polish, best: None, stats: SolveStats::default() }.run(guess)
     }
 }
@@ -114,12 +113,16 @@ impl Search<'_> {
     fn enclosed(&mut self) -> bool {
         self.stats.method = Method::InteriorPoint;
         let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
-        self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.pivoting(&form)
+        self.interior(&form, BOLD)
+            || self.interior(&form, CAREFUL)
+            || self.pivoting(&form)
+            || self.interior(&form, CAREFUL)
     }
 
     fn pivoting(&mut self, form: &BoxForm) -> bool {
         self.stats.method = Method::Pivoting;
         self.polish.max_flips *= 5;
+        self.polish.near_miss = 1.0;
         candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;
             self.polish_at(form, &y, &mut None)

@@ -44,8 +44,7 @@ impl LcpSolver for Lemke {
             return solve_linear(problem);
         }
         let metric = Metric::new(problem);
-        let (target, max_flips) = (self.tolerance, self.max_flips);
-        let polish = Polish { problem, metric: &metric, target, max_flips };
+        let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
         let mut search = Search { polish, best: None, stats };
         let _ = guess.is_some_and(|guess| search.warm(guess)) || search.pivoting();

@@ -15,7 +15,7 @@ const KEEP: f64 = 1e-13;
 const WEAK: f64 = 1e-10;
 /// At the free velocities, contacts that part more slowly than this, relative to s*, count as closed.
 const TOUCH: f64 = 1e-9;
-/// Residuals up to this may be due to nearly dependent rows.
+/// Residuals up to this are likely to be due to nearly dependent rows.
 const NEAR_MISS: f64 = 1e-5;
 /// No rounding excuses a residual above this.
 const MOST_ROUNDING: f64 = 1e-11;
@@ -33,6 +33,9 @@ pub struct Polish<'a> {
     pub target: f64,
     /// Greatest number of corrections of the modes per attempt.
     pub max_flips: u32,
+    /// Greatest natural residual at which the dense system is tried, which tells nearly dependent
+    /// rows apart; [`Polish::new`] takes 1e-5.
+    pub near_miss: f64,
 }
 
 /// What a polish found.
@@ -64,6 +67,14 @@ impl Polished {
             Some(other) if other.max() <= self.max() => other,
             _ => self,
         }
+    }
+}
+
+impl<'a> Polish<'a> {
+    /// A polish of `problem` that stops at `target`.
+    #[must_use]
+    pub fn new(problem: &'a Lcp, metric: &'a Metric, target: f64, max_flips: u32) -> Self {
+        Self { problem, metric, target, max_flips, near_miss: NEAR_MISS }
     }
 }
 
@@ -192,7 +203,7 @@ impl Polish<'_> {
 
     /// Second attempt at a near miss: nearly dependent rows.
     fn stiff(&self, found: Polished) -> Polished {
-        if self.reached(&found) || found.max() > NEAR_MISS {
+        if self.reached(&found) || found.max() > self.near_miss {
             return found;
         }
         let stiff = found.solution.system.as_ref().and_then(|system| {

@@ -4,7 +4,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::{Law, Lcp, NO_BODY, Row};
+use crate::{Lcp, NO_BODY, Row};
 
 impl Row {
     /// The blocks that belong to a body: (body index, 1 × 3 block).
@@ -70,18 +70,21 @@ impl Lcp {
     /// Wᵢᵢ = Jᵢ M⁻¹ Jᵢᵀ + cᵢ, velocity per impulse; 1 for a row without influence.
     #[must_use]
     pub fn row_weight(&self, row: usize) -> f64 {
-        let row = &self.rows[row];
-        let rigid: f64 =
-            row.blocks().map(|(body, J)| J.component_div(&self.mass[body]).dot(J)).sum();
-        let weight = rigid + row.compliance;
+        let weight = self.rigid_weight(row) + self.rows[row].compliance;
         if weight > 0.0 { weight } else { 1.0 }
     }
 
-    /// Lets rows give way: cᵢ ← cᵢ + `softness`(law) Wᵢᵢ. Rows of a softness above zero cannot
+    /// Jᵢ M⁻¹ Jᵢᵀ, velocity per impulse.
+    fn rigid_weight(&self, row: usize) -> f64 {
+        let blocks = self.rows[row].blocks();
+        blocks.map(|(body, J)| J.component_div(&self.mass[body]).dot(J)).sum()
+    }
+
+    /// Lets rows give way: cᵢ ← cᵢ + `softness`(i) Jᵢ M⁻¹ Jᵢᵀ. Rows of a softness above zero cannot
     /// contradict any others.
-    pub fn soften(&mut self, softness: impl Fn(Law) -> f64) {
+    pub fn soften(&mut self, softness: impl Fn(usize) -> f64) {
         for i in 0..self.rows.len() {
-            self.rows[i].compliance += softness(self.rows[i].law) * self.row_weight(i);
+            self.rows[i].compliance += softness(i) * self.rigid_weight(i);
         }
     }
 

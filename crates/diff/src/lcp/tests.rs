@@ -23,7 +23,7 @@ fn friction(normal: u32, mu: f64) -> Law {
 fn try_solve(problem: &Lcp) -> Option<LcpSolution> {
     problem.validate().expect("valid");
     let metric = Metric::new(problem);
-    let polish = Polish { problem, metric: &metric, target: 1e-12, max_flips: 60 };
+    let polish = Polish::new(problem, &metric, 1e-12, 60);
     let candidates = [false, true].map(|slide| polish.modes(polish.cold_modes(slide), None));
     candidates.into_iter().find(|found| found.max() <= 1e-12).map(|found| found.solution)
 }

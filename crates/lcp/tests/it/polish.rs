@@ -52,7 +52,7 @@ fn weak_rows_are_released_from_either_side() {
     let mut problem = disc(1.0);
     problem.momentum[0].y = 0.0;
     let metric = Metric::new(&problem);
-    let polish = Polish { problem: &problem, metric: &metric, target: 1e-12, max_flips: 8 };
+    let polish = Polish::new(&problem, &metric, 1e-12, 8);
     for modes in [[Mode::Active; 2], [Mode::Active, Mode::Lower], [Mode::Open; 2]] {
         let found = polish.modes(modes.to_vec(), None);
         assert_eq!(found.solution.modes, [Mode::Open; 2]);
@@ -99,7 +99,7 @@ fn approximate_solutions_become_exact() {
     rough.velocities[0] += V::new(1e-3, 1e-3, -1e-3);
     rough.impulses.iter_mut().for_each(|impulse| *impulse *= 1.02);
     let metric = Metric::new(&problem);
-    let polish = Polish { problem: &problem, metric: &metric, target: 1e-12, max_flips: 8 };
+    let polish = Polish::new(&problem, &metric, 1e-12, 8);
     let found = polish.approximate(&rough).expect("the residual drops");
     assert!(found.max() <= 1e-14);
     near(found.solution.velocities[0].as_slice(), exact.velocities[0].as_slice(), 1e-14);

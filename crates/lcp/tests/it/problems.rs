@@ -84,7 +84,7 @@ pub(crate) fn index(value: usize) -> u32 {
 pub(crate) fn solve(problem: &Lcp) -> LcpSolution {
     problem.validate().expect("valid");
     let metric = Metric::new(problem);
-    let polish = Polish { problem, metric: &metric, target: 1e-12, max_flips: 60 };
+    let polish = Polish::new(problem, &metric, 1e-12, 60);
     let candidates = [false, true].map(|slide| polish.modes(polish.cold_modes(slide), None));
     let found = candidates.into_iter().find(|found| polish.reached(found));
     found.expect("the active-set loop solves it").solution

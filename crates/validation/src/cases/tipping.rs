@@ -142,7 +142,10 @@ fn climbs(lab: &mut Lab<'_>) -> Result<(), Stop> {
         let rolling = -run.at(0.15).v[DISC].z;
         lab.near(format!("(b) rate before the step at dt={dt}"), rolling, 7.5, 20.0 * dt);
         let turning = -run.at(FLIES).v[DISC].z;
-        lab.near(format!("(b) rate after the step at dt={dt}"), turning, 6.25, 20.0 * dt);
+        // The impact takes two plain steps, in each of which gravity turns the disc by 21.6 dt.
+        let name = format!("(b) rate after the step at dt={dt}");
+        lab.near(format!("{name}, C=50"), turning, 6.25, 50.0 * dt);
+        lab.fine(format!("{name}, C=20"), turning, 6.25, 20.0 * dt);
         let end = run.last().q[DISC];
         lab.holds(format!("(b) climbs at dt={dt}"), end.x > 0.0 && end.y > 0.25 - dt);
     }
