@@ -9,6 +9,7 @@ mod derivatives;
 mod inputs;
 mod joints;
 mod numbers;
+mod problems;
 mod settings;
 mod shapes;
 mod sizes;

@@ -10,7 +10,7 @@ use tangency_bench::problems::Random;
 mod lcp_file;
 
 /// Mutated files per problem of the collection.
-const EACH: usize = 40;
+const EACH: usize = 100;
 /// Larger files are left out: a change of theirs is one of many numbers.
 const MOST_BYTES: usize = 6000;
 

@@ -46,7 +46,7 @@ pub enum ShapeError {
         extent: f64,
     },
     /// A half-plane without a direction.
-    #[error("normal is [{x}, {y}]; it must have a direction, give for example [0, 1]")]
+    #[error("normal is [{x:?}, {y:?}]; it must have a direction, give for example [0, 1]")]
     ZeroNormal {
         /// First component of the normal.
         x: f64,

@@ -36,6 +36,6 @@ fn shapes() {
     );
     check(
         |d| d.bodies[0].shapes = vec![Shape::HalfPlane { normal: [0.0; 2], offset: 0.0 }],
-        "bodies[0].shapes[0]: normal is [0, 0]; it must have a direction, give for example [0, 1]",
+        "bodies[0].shapes[0]: normal is [0.0, 0.0]; it must have a direction, give for example [0, 1]",
     );
 }

@@ -51,7 +51,7 @@ fn of_shapes() {
     );
     check(
         |d| d.bodies[0].shapes = vec![Shape::HalfPlane { normal: [0.0, 1e-160], offset: 0.0 }],
-        "bodies[0].shapes[0]: normal is [0, 1e-160]; it must have a direction, give for example \
+        "bodies[0].shapes[0]: normal is [0.0, 1e-160]; it must have a direction, give for example \
          [0, 1]",
     );
     check(

@@ -253,7 +253,9 @@ impl Problem {
     pub fn solve(&self, solver: &dyn RawSolver) -> Result<RawSolution, LcpError> {
         match self {
             Self::Lcp(problem) => solver.solve_raw(problem),
-            Self::Friction(problem) => solver.solve_friction(problem),
+            Self::Friction(problem) => {
+                problem.judged(solver.name(), solver.solve_friction(problem)?)
+            }
         }
     }
 
