@@ -20,9 +20,10 @@ pub(crate) fn compile_force(
     finite(def.torque, &format!("{path}.torque"))?;
     let start = def.start.unwrap_or(f64::NEG_INFINITY);
     let end = def.end.unwrap_or(f64::INFINITY);
-    for (value, end) in [(start, "start"), (end, "end")] {
-        if value.is_nan() {
-            let (path, expected) = (format!("{path}.{end}"), "give a time, or leave it out");
+    for (time, field) in [(def.start, "start"), (def.end, "end")] {
+        if let Some(value) = time.filter(|time| !time.is_finite()) {
+            let (path, expected) =
+                (format!("{path}.{field}"), "give a finite time, or leave it out");
             return Err(SceneError::Value { path, value, expected });
         }
     }

@@ -53,7 +53,13 @@ fn what_would_be_lost() {
     let force = ForceDef { body: "floor".into(), force: [1.0, 0.0], ..ForceDef::default() };
     check(|d| d.forces = vec![force], "forces[0].body: a force moves dynamic bodies only");
     let late = ForceDef { body: "box".into(), start: Some(f64::NAN), ..ForceDef::default() };
-    check(|d| d.forces = vec![late], "forces[0].start is NaN: give a time, or leave it out");
+    check(|d| d.forces = vec![late], "forces[0].start is NaN: give a finite time, or leave it out");
+    // JSON has no infinity: a scene with one would not survive being written.
+    let endless = ForceDef { body: "box".into(), end: Some(f64::INFINITY), ..ForceDef::default() };
+    check(
+        |d| d.forces = vec![endless],
+        "forces[0].end is inf: give a finite time, or leave it out",
+    );
     let pair = |bodies: [&str; 2]| {
         let bodies = bodies.map(String::from);
         PairDef { bodies, friction: Some(0.1), ..PairDef::default() }
