@@ -364,10 +364,17 @@ mod tests {
         assert_eq!(error("sin a.x"), "column 5: `(` is missing after `sin`");
         assert_eq!(error("1.2.3"), "column 1: `1.2.3` is not a number");
         assert_eq!(error("{a.x"), "column 1: `}` is missing");
-        let deep = "(".repeat(4000);
-        assert_eq!(error(&deep), "column 101: nested more than 100 deep; simplify it");
-        assert_eq!(error(&deep.replace('(', "-")), error(&deep));
-        assert_eq!(error(&(deep + "a.x")), "column 1: 4003 bytes are too many; 4000 are allowed");
         assert_eq!(error("a.x * *"), "column 7: unexpected `*`; a number or a name was expected");
+    }
+
+    /// Formulas are read and evaluated recursively: deep ones must not use up the stack.
+    #[test]
+    fn length_and_depth_are_bounded() {
+        let error = |text: String| parse(&text).expect_err("the formula is too much").to_string();
+        let deep = "column 101: nested more than 100 deep; simplify it";
+        assert_eq!(error("(".repeat(4000)), deep);
+        assert_eq!(error("-".repeat(4000)), deep);
+        assert_eq!(error(" ".repeat(4001)), "column 1: 4001 bytes are too many; 4000 are allowed");
+        check(&"+a.x".repeat(1000), [0.5, 0.0], 500.0, [1000.0, 0.0]);
     }
 }
