@@ -1,7 +1,9 @@
 //! Same input, same bits.
 
+use std::process::Command;
+
 use tangency::{Scene, StepScratch, parse_scene, scene_to_json, step};
-use tangency_bench::scenes;
+use tangency_bench::{scenes, state_hash};
 
 use crate::engine::{backends, built, run};
 
@@ -73,4 +75,56 @@ fn a_run_can_be_split_anywhere() {
             assert_eq!(whole.last(), rest.last(), "{}", scene.def().name);
         }
     }
+}
+
+/// One number per backend for all that the busy scenes do.
+fn hashes() -> Vec<u64> {
+    let hash = |solver: Box<dyn tangency::lcp::LcpSolver>| {
+        let runs: Vec<_> = busy().iter().map(|scene| run(scene, &*solver, 150)).collect();
+        state_hash(runs.iter().flat_map(tangency::Rollout::states))
+    };
+    backends().into_iter().map(hash).collect()
+}
+
+#[test]
+fn a_hash_sees_the_last_bit() {
+    let scene = built_zero_control(&scenes::piston());
+    let states = || vec![scene.initial_state(); 2];
+    let mut changed = states();
+    changed[1].v[2].y = f64::from_bits(changed[1].v[2].y.to_bits() ^ 1);
+    assert_ne!(state_hash(&states()), state_hash(&changed));
+    assert_ne!(state_hash(&states()), state_hash(&states()[..1]));
+}
+
+#[test]
+fn runs_in_threads_side_by_side_are_equal() {
+    let alone = hashes();
+    for threads in [1, 2, 4] {
+        let together: Vec<Vec<u64>> = std::thread::scope(|scope| {
+            let running: Vec<_> = (0..threads).map(|_| scope.spawn(hashes)).collect();
+            running.into_iter().map(|thread| thread.join().expect("a run")).collect()
+        });
+        assert!(together.iter().all(|hashes| *hashes == alone), "{threads} threads: {together:?}");
+    }
+}
+
+const MARK: &str = "hashes of this process: ";
+
+/// What [`a_fresh_process_moves_the_same`] reads.
+#[test]
+#[expect(clippy::print_stdout, reason = "captured unless another process asks for it")]
+fn hashes_of_this_process() {
+    let hashes = hashes();
+    assert_eq!(hashes.len(), tangency::solvers().len());
+    println!("{MARK}{hashes:?}");
+}
+
+#[test]
+fn a_fresh_process_moves_the_same() {
+    let this = std::env::current_exe().expect("the path of the tests");
+    let asked = ["--exact", "determinism::hashes_of_this_process", "--nocapture"];
+    let output = Command::new(this).args(asked).output().expect("the tests start again");
+    let text = String::from_utf8(output.stdout).expect("text");
+    let found = text.lines().find_map(|line| line.split_once(MARK));
+    assert_eq!(found.map(|(_, hashes)| hashes), Some(format!("{:?}", hashes()).as_str()));
 }

@@ -1,6 +1,6 @@
 //! Runs of scenes, and comparison with exact figures.
 
-use tangency::{LcpSolver, Rollout, RowSource, Scene, SceneDef, State, StepRecord, simulate};
+use tangency::{LcpSolver, Rollout, Scene, SceneDef, State, StepRecord, simulate};
 
 /// Every backend of this build. An empty list would let every test pass unseen.
 pub(crate) fn backends() -> Vec<Box<dyn LcpSolver>> {
@@ -57,18 +57,6 @@ pub(crate) fn near(what: &str, found: f64, exact: f64, tolerance: f64) {
 #[track_caller]
 pub(crate) fn near_relative(what: &str, found: f64, exact: f64, tolerance: f64) {
     near(what, found, exact, tolerance * exact.abs());
-}
-
-/// Sums of normal and of tangential contact impulses of a step, N·s.
-pub(crate) fn contact_sums(record: &StepRecord) -> (f64, f64) {
-    let impulses = record.contact_impulses();
-    (impulses.iter().map(|i| i.normal).sum(), impulses.iter().map(|i| i.tangent).sum())
-}
-
-/// Impulse of a joint's held row, N·s.
-#[track_caller]
-pub(crate) fn held_impulse(record: &StepRecord, joint: u32, row: u32) -> f64 {
-    record.impulse(RowSource::Held { joint, row }).expect("a joint's rows are always modelled")
 }
 
 /// Order of convergence: the slope of log error on log dt over 8, 4, 2, 1 ms.

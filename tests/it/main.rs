@@ -1,7 +1,7 @@
 //! The engine as its users see it, on every backend of the build.
 //!
-//! Modules by question; what they share is [`engine`] (runs on every backend) and [`slope`]
-//! (derivatives of runs). Scenes and the finite difference come from `tangency-bench`.
+//! Modules by question; what they share is [`engine`] (runs on every backend). Scenes and the finite
+//! difference come from `tangency-bench`.
 
 #![expect(
     clippy::excessive_precision,
@@ -9,7 +9,6 @@
 )]
 
 mod engine;
-mod slope;
 
 mod backends;
 mod conformance;
@@ -17,10 +16,12 @@ mod conservation;
 mod determinism;
 mod forces;
 mod fuzzed;
+mod giving_way;
 mod gradients;
 mod joints;
 mod modelling;
 mod motors;
+mod random_scenes;
 mod records;
 mod refusals;
 mod springs;

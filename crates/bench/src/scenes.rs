@@ -19,6 +19,7 @@ mod machines;
 mod masonry;
 mod rocker;
 mod suspension;
+mod tight;
 
 pub use billiard::billiard;
 pub use bodies::{
@@ -38,7 +39,10 @@ pub use joints::{chain, doubled_hinge, hanging_chain_hit, paper_chain, pendulum}
 pub use ladder::ladder;
 pub use landing::{corner_landing, falling_discs, grazing_disc, unit_slider};
 pub use linkage::{double_pendulum, parallelogram};
-pub use machines::{compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart};
+pub use machines::{
+    bent_arm, compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart,
+};
 pub use masonry::{arch, gable, pyramid};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
+pub use tight::{misfit_hinges, narrow_slot, wedged_box};

@@ -27,6 +27,8 @@ pub struct Summary {
     pub lcp_steps: usize,
     /// Steps whose positions were mended after the move.
     pub mended_steps: usize,
+    /// Steps in which restitution or the correction of positions gave way.
+    pub yielding_steps: usize,
     /// Solver iterations.
     pub iterations: usize,
     /// Matrix factorisations.
@@ -56,6 +58,8 @@ impl Summary {
             _ => &mut self.lcp_steps,
         } += 1;
         self.mended_steps += usize::from(counts.mended);
+        let yielding = counts.loose_islands + counts.plastic_islands + counts.soft_islands;
+        self.yielding_steps += usize::from(yielding > 0);
         self.iterations += counts.iterations;
         self.factorisations += counts.factorisations;
         Ok(())
@@ -88,6 +92,10 @@ impl Summary {
                 self.free_steps, self.linear_steps, self.lcp_steps, self.mended_steps
             ),
         );
+        if self.yielding_steps > 0 {
+            let steps = self.yielding_steps;
+            table.row("gave way", format!("bounces or position errors in {steps} steps"));
+        }
         table.row(
             "work",
             format!("{} iterations, {} factorisations", self.iterations, self.factorisations),

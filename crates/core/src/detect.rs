@@ -25,7 +25,8 @@ pub(crate) fn reach(scene: &Scene, v: &[Vector3<f64>], momentum: &[Vector3<f64>]
         let radius = Some(scene.colliders[i].radius()).filter(|r| r.is_finite()).unwrap_or(0.0);
         let speed = v[i].xy().norm().max(free.xy().norm());
         let rate = v[i].z.abs().max(free.z.abs());
-        let gyration = if scene.is_dynamic(i) { (body.mass.z / body.mass.x).sqrt() } else { 1.0 };
+        let dynamic = scene.is_dynamic(i);
+        let gyration = if dynamic { (body.mass.z / body.mass.x).sqrt() } else { scene.size(i) };
         linear = linear.max(speed + rate * radius);
         angular = angular.max(rate + speed / gyration);
     }
@@ -101,6 +102,9 @@ pub(crate) fn rows(context: &RowContext<'_>, reach: Reach) -> Vec<RowSource> {
     }
     for contact in 0..u32::try_from(context.contacts.len()).expect("fewer contacts than u32 counts")
     {
+        if !context.contacts[contact as usize].normal.x.is_finite() {
+            continue; // moved until two points coincide: nothing to mend, and no direction
+        }
         rows.push(RowSource::Normal { contact });
         let [a, b] = context.contact_bodies(contact);
         if context.stage.is_velocity() && context.scene.pair_friction(a, b).value > 0.0 {

@@ -97,6 +97,12 @@ impl Stage {
         matches!(self, Self::Velocity | Self::Plastic | Self::Loose)
     }
 
+    /// Whether something gives way.
+    #[must_use]
+    pub fn gives_way(self) -> bool {
+        !matches!(self, Self::Velocity | Self::Post)
+    }
+
     /// Whether position errors stay.
     #[must_use]
     pub fn drifts(self) -> bool {
@@ -201,6 +207,7 @@ impl RowContext<'_> {
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
+                    recovery_speed: self.recovery(source),
                     ..self.unilateral(self.limit_slop(joint), self.scene.def.stabilisation.joints)
                 };
                 rule.rhs(value, speed, 0.0)
@@ -226,8 +233,21 @@ impl RowContext<'_> {
         if self.stage.drifts() && self.is_drift(joint, row, value) {
             return Rhs::default();
         }
-        let rhs = rhs::rigid(joints, value, dt);
-        if value.abs() <= self.rounding(joint) { Rhs { value: 0.0, ..rhs } } else { rhs }
+        rhs::rigid(joints, value, dt)
+    }
+
+    /// Greatest speed at which a row's error is removed, m/s or rad/s.
+    fn recovery(&self, source: RowSource) -> f64 {
+        let def = &self.scene.def;
+        let row = match source {
+            RowSource::Held { joint, row } => self.joint(joint).held[row as usize],
+            RowSource::Lower { joint }
+            | RowSource::Upper { joint }
+            | RowSource::Motor { joint } => self.free(joint),
+            RowSource::Normal { .. } | RowSource::Tangent { .. } => return def.recovery_speed,
+        };
+        let turns = row.measure == crate::measure::Measure::Angle;
+        if turns { def.recovery_rate } else { def.recovery_speed }
     }
 
     /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
@@ -239,16 +259,8 @@ impl RowContext<'_> {
         value.abs() <= DRIFT * size
     }
 
-    /// Joint errors below this are rounding of the poses, m or rad: divided by a small time step
-    /// they would contradict each other where joints depend on each other.
-    fn rounding(&self, joint: u32) -> f64 {
-        let bodies = self.joint(joint).bodies.iter().flatten();
-        let place = |b: &usize| self.q[*b].amax().max(self.scene.size(*b));
-        64.0 * f64::EPSILON * bodies.map(place).filter(|x| x.is_finite()).fold(0.0, f64::max)
-    }
-
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
-        let (dt, speed) = (self.scene.dt, self.scene.def.recovery_speed);
+        let (dt, speed) = (self.scene.dt, self.recovery(source));
         match source {
             RowSource::Held { .. } | RowSource::Motor { .. } => {
                 if self.mends_joints {
@@ -262,15 +274,13 @@ impl RowContext<'_> {
     }
 
     /// Part of its own Wᵢᵢ by which a row of this stage gives way. Joints that are mended resist more
-    /// than penetrations. Those that may drift only yield where they depend on each other up to
-    /// their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
+    /// than penetrations. Otherwise they only yield where they depend on each other up to their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
     #[must_use]
     pub fn softness(&self, source: RowSource) -> f64 {
         match (self.stage, source) {
             (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
-            (Stage::SoftPost, RowSource::Held { .. }) => 0.0,
+            (stage, RowSource::Held { .. }) if stage.gives_way() => 1e-8,
             (Stage::SoftPost, _) => 1e-2,
-            (stage, RowSource::Held { .. }) if stage.drifts() => 1e-8,
             _ => 0.0,
         }
     }

@@ -146,10 +146,16 @@ impl Scene {
         self.def.stabilisation
     }
 
-    /// Greatest speed of [`Correction::Post`], m/s and rad/s.
+    /// Greatest speed of [`Correction::Post`], m/s.
     #[must_use]
     pub fn recovery_speed(&self) -> f64 {
         self.def.recovery_speed
+    }
+
+    /// Greatest rate of [`Correction::Post`], rad/s.
+    #[must_use]
+    pub fn recovery_rate(&self) -> f64 {
+        self.def.recovery_rate
     }
 
     /// Greatest residual of an accepted step.
@@ -244,6 +250,7 @@ fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
     positive(def.dt, "dt")?;
     positive(def.duration, "duration")?;
     positive(def.recovery_speed, "recovery_speed")?;
+    positive(def.recovery_rate, "recovery_rate")?;
     positive(def.tolerance, "tolerance")?;
     if def.tolerance >= 1.0 {
         let (path, value) = ("tolerance".into(), def.tolerance);

@@ -24,8 +24,10 @@ pub struct SceneDef {
     pub contact_model: ContactModel,
     /// How position errors are removed.
     pub stabilisation: Stabilisation,
-    /// Greatest speed at which [`Correction::Post`] removes position errors, m/s and rad/s.
+    /// Greatest speed at which [`Correction::Post`] removes errors of places, m/s.
     pub recovery_speed: f64,
+    /// Greatest rate at which it removes errors of angles, rad/s.
+    pub recovery_rate: f64,
     /// Greatest scaled residual of an accepted step.
     pub tolerance: f64,
     /// Bodies.
@@ -52,6 +54,7 @@ impl Default for SceneDef {
             contact_model: ContactModel::Gap,
             stabilisation: Stabilisation::default(),
             recovery_speed: 1.0,
+            recovery_rate: 1.0,
             tolerance: 1e-10,
             bodies: Vec::new(),
             joints: Vec::new(),

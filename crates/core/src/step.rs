@@ -87,7 +87,7 @@ fn solve(
 /// A solution more than this times faster than what drives it comes from rows that nearly
 /// contradict each other, and a later stage is tried.
 fn wild(stage: Stage) -> f64 {
-    if matches!(stage, Stage::Velocity | Stage::Post) { 8.0 } else { 30.0 }
+    if stage.is_velocity() { 8.0 } else { 4.0 }
 }
 
 /// The record of one island; of a refusal its bodies and the first stage's error.
@@ -135,7 +135,7 @@ fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolut
     let metric = Metric::new(&island.problem);
     let context = RowContext { stage: island.stage, ..*context };
     let gives = |(row, source): (usize, &RowSource)| {
-        context.softness(*source) * solution.impulses[row].abs() * metric.root[row]
+        context.softness(*source) * metric.impulse(row, solution.impulses[row]).abs()
     };
     island.stage.drifts()
         && island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)

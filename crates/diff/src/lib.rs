@@ -28,7 +28,7 @@ mod parameter;
 
 pub use error::DiffError;
 pub use parameter::{Parameter, ParameterError};
-pub use report::{GradientReport, OneSided, Switch};
+pub use report::{GaveWay, GradientReport, OneSided, Switch};
 pub use rollout::{Gradient, gradient, tangent};
 pub use step::{step_jvp, step_vjp};
 pub use vector::{BodyVector, Direction, JointVector, RolloutVector, SceneVector, StateVector};

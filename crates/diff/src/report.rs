@@ -1,6 +1,6 @@
 //! What was not smooth along a gradient.
 
-use tangency_core::row::RowContext;
+use tangency_core::row::{RowContext, Stage};
 use tangency_core::{ContactModel, IslandRecord, RowSource};
 
 use crate::lcp::{LcpGradientReport, WEAK_MARGIN, WeakKind, WeakRow};
@@ -37,6 +37,17 @@ pub struct OneSided {
     pub source: RowSource,
     /// Between which pieces.
     pub kind: Switch,
+    /// Which problem of the step the row belongs to.
+    pub stage: Stage,
+}
+
+/// An island whose rows contradicted each other, so that some gave way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GaveWay {
+    /// The step.
+    pub step: usize,
+    /// How much gave way.
+    pub stage: Stage,
 }
 
 /// What a gradient's user should know about it.
@@ -47,6 +58,9 @@ pub struct GradientReport {
     /// Steps with dependent active rows: velocities and their derivatives are unique, impulses are
     /// not.
     pub dependent_rows: Vec<usize>,
+    /// Islands in which restitution or the correction of positions gave way; the derivative is that
+    /// of the problem that was solved.
+    pub gave_way: Vec<GaveWay>,
     step: usize,
 }
 
@@ -60,10 +74,14 @@ impl GradientReport {
         if report.rank_defect > 0 && self.dependent_rows.last() != Some(&step) {
             self.dependent_rows.push(step);
         }
+        if island.stage.gives_way() {
+            self.gave_way.push(GaveWay { step, stage: island.stage });
+        }
         let row = |weak: &WeakRow| OneSided {
             step,
             source: island.sources[weak.row as usize],
             kind: weak.kind.into(),
+            stage: island.stage,
         };
         self.one_sided.extend(report.weak.iter().map(row));
     }
@@ -75,8 +93,8 @@ impl GradientReport {
         }
         let step = self.step;
         let bounces = island.sources.iter().filter(|source| at_bounce(context, **source));
-        let one_sided =
-            |source: &RowSource| OneSided { step, source: *source, kind: Switch::Bouncing };
+        let (kind, stage) = (Switch::Bouncing, island.stage);
+        let one_sided = |source: &RowSource| OneSided { step, source: *source, kind, stage };
         self.one_sided.extend(bounces.map(one_sided));
     }
 
@@ -84,6 +102,7 @@ impl GradientReport {
     pub(crate) fn end(&mut self) {
         self.one_sided.reverse();
         self.dependent_rows.reverse();
+        self.gave_way.reverse();
     }
 }
 

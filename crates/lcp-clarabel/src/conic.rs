@@ -87,14 +87,14 @@ impl Program {
         for i in 0..affine.len() {
             match problem.rows[i].law {
                 Law::Bounded { max } => {
-                    let tau = builder.bound(max * metric.root[i] / metric.scale);
+                    let tau = builder.bound(metric.impulse(i, max) / metric.scale);
                     let first = builder.push(&tau.plus(1.0, &affine[i]), nonnegative());
                     builder.push(&tau.plus(-1.0, &affine[i]), nonnegative());
                     places[i] = Place::Bounded(first);
                 }
                 Law::Friction { normal, mu } => {
                     let n = normal as usize;
-                    let mu = mu * metric.root[i] / metric.root[n];
+                    let mu = mu * metric.root(i) / metric.root(n);
                     let first = match cone {
                         FrictionCone::Polyhedral => {
                             let first =
@@ -153,7 +153,7 @@ impl Program {
     ) -> LcpSolution {
         let mut solution = LcpSolution::default();
         for (body, mass) in problem.mass.iter().enumerate() {
-            let at = |k: usize| x[3 * body + k] * metric.scale / mass[k].sqrt();
+            let at = |k: usize| metric.true_velocity(x[3 * body + k] * metric.scale, mass[k]);
             solution.velocities.push([at(0), at(1), at(2)].into());
         }
         for (i, (place, row)) in self.places.iter().zip(&problem.rows).enumerate() {
@@ -165,7 +165,7 @@ impl Program {
                 (Place::Friction(k, mu), FrictionCone::Polyhedral) => mu * (z[k] - z[k + 1]),
                 (Place::Friction(k, mu), FrictionCone::SecondOrder) => mu * z[k + 1],
             };
-            solution.impulses.push(y * metric.scale / metric.root[i]);
+            solution.impulses.push(metric.true_impulse(i, y * metric.scale));
         }
         solution.slacks = problem.remainders(&solution.velocities, &solution.impulses);
         solution
@@ -173,7 +173,7 @@ impl Program {
 
     /// μ̂|ûₜ| per friction row, 0 elsewhere.
     pub(crate) fn sliding(&self, metric: &Metric, solution: &LcpSolution) -> Vec<f64> {
-        let slack = |i: usize| solution.slacks[i] / (metric.root[i] * metric.scale);
+        let slack = |i: usize| metric.remainder(i, solution.slacks[i]) / metric.scale;
         let of = |(i, place): (usize, &Place)| match place {
             Place::Friction(_, mu) => mu * slack(i).abs(),
             _ => 0.0,
@@ -186,7 +186,7 @@ impl<'a> Builder<'a> {
     fn new(problem: &'a Lcp, metric: &'a Metric) -> Self {
         let mut q = Vec::with_capacity(3 * problem.mass.len());
         for (p, mass) in problem.momentum.iter().zip(&problem.mass) {
-            q.extend((0..3).map(|k| -p[k] / (mass[k].sqrt() * metric.scale)));
+            q.extend((0..3).map(|k| -metric.momentum(p[k], mass[k]) / metric.scale));
         }
         let (p, b, cones) = (vec![1.0; q.len()], Vec::new(), Vec::new());
         let triplets = [Vec::new(), Vec::new()];
@@ -199,16 +199,17 @@ impl<'a> Builder<'a> {
 
     /// Ĵx + w − b̂ of a row; adds w where the row is compliant.
     fn affine(&mut self, i: usize) -> Affine {
-        let (row, root) = (&self.problem.rows[i], self.metric.root[i]);
-        let mut affine =
-            Affine { entries: Vec::new(), constant: -row.rhs / (root * self.metric.scale) };
+        let (row, metric) = (&self.problem.rows[i], self.metric);
+        let constant = -metric.remainder(i, row.rhs) / metric.scale;
+        let mut affine = Affine { entries: Vec::new(), constant };
         for (body, block) in row.blocks() {
             let mass = &self.problem.mass[body];
-            let entry = |k: usize| (3 * body + k, block[k] / (mass[k].sqrt() * root));
+            let of = |k: usize| metric.remainder(i, metric.true_velocity(block[k], mass[k]));
+            let entry = |k: usize| (3 * body + k, of(k));
             affine.entries.extend((0..3).map(entry).filter(|(_, x)| *x != 0.0));
         }
         if row.compliance > 0.0 {
-            let compliance = row.compliance / (root * root);
+            let compliance = metric.remainder(i, metric.true_impulse(i, row.compliance));
             affine.entries.push((self.unknown(1.0 / compliance, 0.0), 1.0));
         }
         affine

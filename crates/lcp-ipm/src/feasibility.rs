@@ -40,8 +40,8 @@ fn violation(problem: &Lcp, settings: &InteriorPoint, softness: f64) -> Option<f
     let violation = solution
         .impulses
         .iter()
-        .zip(&metric.root)
-        .fold(0.0_f64, |worst, (y, root)| worst.max(softness * (y * root).abs()));
+        .enumerate()
+        .fold(0.0_f64, |worst, (row, y)| worst.max(softness * metric.impulse(row, *y).abs()));
     Some(violation / metric.scale)
 }
 

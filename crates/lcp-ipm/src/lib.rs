@@ -7,6 +7,7 @@
 
 mod feasibility;
 mod mehrotra;
+mod neighbours;
 mod newton;
 mod raw;
 mod solve;

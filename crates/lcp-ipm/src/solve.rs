@@ -2,19 +2,22 @@
 
 use tangency_lcp::{
     BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish, Polished,
-    Scratch, SolveStats, solve_linear,
+    Scratch, SolveStats, Sweeps, Walk, solve_linear,
 };
 use tangency_lcp_lemke::candidates;
 
 use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
+use crate::neighbours::neighbours;
 
 /// Interior-point solver with active-set polish.
 ///
-/// Stages, each tried only if the one before left a residual above `tolerance`: the guess through
+/// Stages, each tried only if the one before left a residual above `tolerance` (above `acceptance` from
+/// Lemke's method on): the guess through
 /// the active-set loop; modes read at the free velocities; the interior point, boldly and then
-/// carefully, polished whenever it shows new modes; Lemke's method for problems of moderate size. A
-/// solution is returned if its natural residual is at most `acceptance`.
+/// carefully, polished whenever it shows new modes; a walk along the active sets that begins at
+/// projected Gauss–Seidel's iterate; Lemke's method for problems of moderate size;
+/// all modes of the few rows that are most in doubt. A solution is returned if its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
@@ -25,7 +28,7 @@ pub struct InteriorPoint {
     pub max_iterations: u32,
     /// Greatest number of mode corrections per attempt of the active-set loop. Default 8.
     pub max_flips: u32,
-    /// Whether a failure is followed by a test for conflicting constraints, which costs two more
+    /// Whether the last stages are preceded by a test for conflicting constraints, which costs two
     /// solves of an easier problem. Default true.
     pub tell_infeasible: bool,
 }
@@ -36,6 +39,11 @@ impl Default for InteriorPoint {
         Self { tolerance, acceptance, max_iterations: 60, max_flips: 8, tell_infeasible: true }
     }
 }
+
+/// After how many sweeps of projected Gauss–Seidel a walk begins.
+const SWEEPS: [usize; 5] = [10, 30, 100, 300, 1000];
+/// Greatest number of steps of a walk.
+const MOST_STEPS: usize = 500;
 
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -69,8 +77,34 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
         self.stats.method = Method::ActiveSet;
-        let reached = guess.is_some_and(|guess| self.warm(guess)) || self.cold() || self.enclosed();
-        self.finish(reached)
+        if guess.is_some_and(|guess| self.warm(guess)) || self.cold() {
+            return self.finish();
+        }
+        let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
+        self.stats.method = Method::InteriorPoint;
+        if self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.is_accepted() {
+            return self.finish();
+        }
+        if let Some(residual) = self.conflict() {
+            return Err(LcpError::Infeasible { residual });
+        }
+        let _ = self.walk()
+            || self.pivoting(&form)
+            || self.interior(&form, CAREFUL)
+            || self.enumerated();
+        self.finish()
+    }
+
+    fn is_accepted(&self) -> bool {
+        self.best.as_ref().is_some_and(|best| best.max() <= self.settings.acceptance)
+    }
+
+    /// The violation of rows that contradict each other: then nothing else needs to be tried.
+    fn conflict(&self) -> Option<f64> {
+        self.settings
+            .tell_infeasible
+            .then(|| conflict(self.polish.problem, &self.settings))
+            .flatten()
     }
 
     /// Takes a candidate into account; true if it is good enough to stop.
@@ -109,14 +143,17 @@ impl Search<'_> {
         }
     }
 
-    /// The stages that need the rows' matrix.
-    fn enclosed(&mut self) -> bool {
-        self.stats.method = Method::InteriorPoint;
-        let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
-        self.interior(&form, BOLD)
-            || self.interior(&form, CAREFUL)
-            || self.pivoting(&form)
-            || self.interior(&form, CAREFUL)
+    /// Walks from where projected Gauss–Seidel is after more and more sweeps.
+    fn walk(&mut self) -> bool {
+        self.stats.method = Method::Walk;
+        let mut sweeps = Sweeps::new(self.polish.problem);
+        let mut done = 0;
+        SWEEPS.into_iter().any(|count| {
+            (done..count).for_each(|_| sweeps.sweep());
+            done = count;
+            let candidate = Walk::new(self.polish, &sweeps.approximate()).run(MOST_STEPS);
+            candidate.is_some_and(|candidate| self.offer(candidate))
+        })
     }
 
     fn pivoting(&mut self, form: &BoxForm) -> bool {
@@ -126,6 +163,18 @@ impl Search<'_> {
         candidates(form).any(|(y, pivots)| {
             self.stats.factorisations += pivots;
             self.polish_at(form, &y, &mut None)
+        })
+    }
+
+    /// Starts from all modes of the rows that the best candidate leaves in doubt.
+    fn enumerated(&mut self) -> bool {
+        self.stats.method = Method::Enumeration;
+        self.polish.near_miss = 1e-5;
+        self.polish.max_flips = self.settings.max_flips;
+        let Some(best) = self.best.clone() else { return false };
+        neighbours(self.polish.problem, &best.solution).any(|modes| {
+            let candidate = self.polish.modes(modes, None);
+            self.offer(candidate)
         })
     }
 
@@ -161,23 +210,14 @@ impl Search<'_> {
         self.polish.approximate(&approximate).is_some_and(|candidate| self.offer(candidate))
     }
 
-    fn finish(self, reached: bool) -> Result<LcpSolution, LcpError> {
+    fn finish(self) -> Result<LcpSolution, LcpError> {
         let iterations = self.stats.iterations;
-        let Some(best) = self.best else {
-            return Err(LcpError::NotConverged { iterations, residual: f64::INFINITY });
-        };
-        let residual = best.max();
-        if reached || residual <= self.settings.acceptance {
-            Ok(LcpSolution { stats: self.stats, ..best.solution })
-        } else {
-            let conflict = self
-                .settings
-                .tell_infeasible
-                .then(|| conflict(self.polish.problem, &self.settings));
-            match conflict.flatten() {
-                Some(residual) => Err(LcpError::Infeasible { residual }),
-                None => Err(LcpError::NotConverged { iterations, residual }),
+        let residual = self.best.as_ref().map_or(f64::INFINITY, Polished::max);
+        match self.best {
+            Some(best) if self.polish.reached(&best) || residual <= self.settings.acceptance => {
+                Ok(LcpSolution { stats: self.stats, ..best.solution })
             }
+            _ => Err(LcpError::NotConverged { iterations, residual }),
         }
     }
 }

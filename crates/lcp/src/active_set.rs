@@ -22,7 +22,7 @@
 use nalgebra::{DVector, Vector3};
 
 use crate::band::{BandMatrix, Cholesky, Lu};
-use crate::delassus::Assembly;
+use crate::delassus::{Assembly, Scaling};
 use crate::order;
 use crate::saddle::Saddle;
 use crate::{Law, Lcp, Metric, Mode};
@@ -43,7 +43,7 @@ pub struct ActiveSystem {
     rows: Vec<u32>,
     folds: Vec<Fold>,
     saturated: Vec<(u32, f64)>,
-    inverse_root: Vec<f64>,
+    scaling: Scaling,
     factor: Factor,
     rank_defect: u32,
 }
@@ -85,11 +85,10 @@ impl ActiveSystem {
         let half_width = order::narrow(problem, &mut rows);
         let folds = folds(problem, modes, &rows);
         let saturated = saturated(problem, modes);
-        let inverse_root: Vec<f64> =
-            rows.iter().map(|&row| metric.root[row as usize].recip()).collect();
-        let factor = factor(problem, &rows, &folds, &inverse_root, half_width);
+        let scaling = Scaling::new(metric, &rows);
+        let factor = factor(problem, &rows, &folds, &scaling, half_width);
         let rank_defect = factor.small_pivots();
-        Self { rows, folds, saturated, inverse_root, factor, rank_defect }
+        Self { rows, folds, saturated, scaling, factor, rank_defect }
     }
 
     /// The active rows, in the order of elimination.
@@ -198,8 +197,8 @@ impl ActiveSystem {
         momentum: &[Vector3<f64>],
         rhs: &[f64],
     ) -> Option<Reduced> {
-        let saddle = Saddle::new(problem, &self.rows, &self.folds, &self.inverse_root)?;
-        let (bodies, slots) = (problem.mass.len(), self.rows.len());
+        let saddle = Saddle::new(problem, &self.rows, &self.folds, &self.scaling)?;
+        let (bodies, slots, unit) = (problem.mass.len(), self.rows.len(), self.scaling.unit);
         let mut found = Reduced {
             velocities: vec![Vector3::zeros(); bodies],
             impulses: vec![0.0; slots],
@@ -214,7 +213,7 @@ impl ActiveSystem {
             for (body, mass) in problem.mass.iter().enumerate() {
                 for k in 0..3 {
                     let defect = balance[body][k] - mass[k] * found.velocities[body][k];
-                    right[3 * body + k] = defect / mass[k].sqrt();
+                    right[3 * body + k] = defect / (unit * mass[k]).sqrt();
                 }
             }
             right.rows_mut(3 * bodies, slots).copy_from_slice(&r);
@@ -224,11 +223,12 @@ impl ActiveSystem {
             };
             for (body, mass) in problem.mass.iter().enumerate() {
                 for k in 0..3 {
-                    found.velocities[body][k] += step[3 * body + k] / mass[k].sqrt();
+                    let change = step[3 * body + k] * unit / (unit * mass[k]).sqrt();
+                    found.velocities[body][k] += change;
                 }
             }
             for slot in 0..slots {
-                found.impulses[slot] += step[3 * bodies + slot] * self.inverse_root[slot];
+                found.impulses[slot] += step[3 * bodies + slot] * self.scaling.to_impulse[slot];
             }
         }
         let defect = self.remainder(problem, side, &found.velocities, rhs, &found.impulses, &mut r);
@@ -264,8 +264,8 @@ impl ActiveSystem {
             }
             previous = defect;
             self.factor.solve(side, &mut r);
-            for ((r, y), root) in r.iter_mut().zip(&mut y).zip(&self.inverse_root) {
-                *r *= root;
+            for ((r, y), to_impulse) in r.iter_mut().zip(&mut y).zip(&self.scaling.to_impulse) {
+                *r *= to_impulse;
                 *y += *r;
             }
             self.add_impulses(problem, side, &r, &mut change);
@@ -279,9 +279,11 @@ impl ActiveSystem {
     fn scale(&self, problem: &Lcp, momentum: &[Vector3<f64>], rhs: &[f64]) -> f64 {
         let mut scale = 0.0_f64;
         for (p, m) in momentum.iter().zip(&problem.mass) {
-            scale = (0..3).fold(scale, |scale, k| scale.max(p[k].abs() / m[k].sqrt()));
+            let along = |k: usize| p[k].abs() / (self.scaling.unit * m[k]).sqrt();
+            scale = (0..3).fold(scale, |scale, k| scale.max(along(k)));
         }
-        let rows = rhs.iter().zip(&self.inverse_root).map(|(b, root)| (b * root).abs());
+        let rows =
+            rhs.iter().zip(&self.scaling.of_remainder).map(|(b, inverse)| (b * inverse).abs());
         rows.fold(scale, f64::max)
     }
 
@@ -311,8 +313,8 @@ impl ActiveSystem {
             }
         }
         let mut worst = 0.0_f64;
-        for (r, root) in r.iter_mut().zip(&self.inverse_root) {
-            *r *= root;
+        for (r, inverse) in r.iter_mut().zip(&self.scaling.of_remainder) {
+            *r *= inverse;
             worst = if r.is_finite() { worst.max(r.abs()) } else { f64::INFINITY };
         }
         worst
@@ -429,7 +431,7 @@ fn factor(
     problem: &Lcp,
     rows: &[u32],
     folds: &[Fold],
-    inverse_root: &[f64],
+    scaling: &Scaling,
     half_width: usize,
 ) -> Factor {
     let symmetric = folds.is_empty();
@@ -438,7 +440,7 @@ fn factor(
     } else {
         BandMatrix::zeros(rows.len(), folded_width(problem, rows, folds, half_width))
     };
-    let assembly = Assembly::new(problem, rows, inverse_root, symmetric);
+    let assembly = Assembly::new(problem, rows, scaling, symmetric);
     assembly.add_rows(&mut S);
     for fold in folds {
         assembly.add_column(&mut S, fold.row, fold.column as usize, fold.coefficient);

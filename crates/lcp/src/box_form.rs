@@ -71,7 +71,8 @@ impl BoxForm {
         for (slot, &row) in rows.iter().enumerate() {
             let row = row as usize;
             position[row] = slot;
-            q.push((problem.row_velocity(row, &free) - problem.rows[row].rhs) / metric.root[row]);
+            let u = problem.row_velocity(row, &free) - problem.rows[row].rhs;
+            q.push(metric.remainder(row, u));
         }
         let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
         let scale = if largest > 0.0 { largest } else { 1.0 };
@@ -83,16 +84,16 @@ impl BoxForm {
             match problem.rows[row].law {
                 Law::Equality => BoxLaw::Free,
                 Law::Unilateral => BoxLaw::Positive,
-                Law::Bounded { max } => BoxLaw::Bounded { max: max * metric.root[row] / scale },
+                Law::Bounded { max } => BoxLaw::Bounded { max: metric.impulse(row, max) / scale },
                 Law::Friction { normal, mu } => {
                     let normal = normal as usize;
-                    let mu = mu * metric.root[row] / metric.root[normal];
+                    let mu = mu * metric.root(row) / metric.root(normal);
                     BoxLaw::Friction { normal: position[normal], mu }
                 }
             }
         };
         let laws = rows.iter().map(law).collect();
-        let unscale = rows.iter().map(|&row| scale / metric.root[row as usize]).collect();
+        let unscale = rows.iter().map(|&row| metric.true_impulse(row as usize, scale)).collect();
         Self { matrix, q, laws, unscale, rows }
     }
 

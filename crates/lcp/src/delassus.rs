@@ -7,7 +7,7 @@ use crate::order;
 use crate::rows::Touching;
 use crate::{Law, Lcp, Metric};
 
-/// Ŵ = R W R with R = diag(1/√Wᵢᵢ), m × m, in an order of the rows in which it is a narrow band.
+/// Ŵ = R μ W R with R = diag(1/√(μ Wᵢᵢ)), m × m, in an order of the rows in which it is a narrow band.
 #[derive(Clone, Debug)]
 pub struct Delassus {
     /// Row of the problem at each position.
@@ -24,10 +24,9 @@ impl Delassus {
     pub fn new(problem: &Lcp, metric: &Metric) -> Self {
         let mut rows: Vec<u32> = (0..problem.rows.len() as u32).collect();
         let half_width = order::narrow(problem, &mut rows).max(coupling_width(problem, &rows));
-        let inverse_root: Vec<f64> =
-            rows.iter().map(|&row| metric.root[row as usize].recip()).collect();
+        let scaling = Scaling::new(metric, &rows);
         let mut matrix = BandMatrix::zeros(rows.len(), half_width);
-        Assembly::new(problem, &rows, &inverse_root, false).add_rows(&mut matrix);
+        Assembly::new(problem, &rows, &scaling, false).add_rows(&mut matrix);
         Self { rows, matrix }
     }
 }
@@ -45,11 +44,32 @@ fn coupling_width(problem: &Lcp, rows: &[u32]) -> usize {
     problem.rows.iter().enumerate().map(distance).max().unwrap_or(0)
 }
 
-/// Writes columns of R J M⁻¹ Jᵀ R into a band matrix.
+/// How rows listed in some order are scaled.
+#[derive(Clone, Debug)]
+pub(crate) struct Scaling {
+    /// 1/√(μ Wᵢᵢ) per slot: times a remainder it gives û.
+    pub(crate) of_remainder: Vec<f64>,
+    /// μ/√(μ Wᵢᵢ) per slot: times ŷ it gives an impulse.
+    pub(crate) to_impulse: Vec<f64>,
+    /// μ.
+    pub(crate) unit: f64,
+}
+
+impl Scaling {
+    pub(crate) fn new(metric: &Metric, rows: &[u32]) -> Self {
+        let unit = metric.unit();
+        let of_remainder: Vec<f64> =
+            rows.iter().map(|&row| metric.root(row as usize).recip()).collect();
+        let to_impulse = of_remainder.iter().map(|inverse| inverse * unit).collect();
+        Self { of_remainder, to_impulse, unit }
+    }
+}
+
+/// Writes columns of R J M⁻¹ Jᵀ μ R into a band matrix.
 pub(crate) struct Assembly<'a> {
     problem: &'a Lcp,
     rows: &'a [u32],
-    inverse_root: &'a [f64],
+    scaling: &'a Scaling,
     touching: Touching,
     lower_only: bool,
 }
@@ -59,11 +79,11 @@ impl<'a> Assembly<'a> {
     pub(crate) fn new(
         problem: &'a Lcp,
         rows: &'a [u32],
-        inverse_root: &'a [f64],
+        scaling: &'a Scaling,
         lower_only: bool,
     ) -> Self {
         let touching = Touching::new(problem, rows.iter().map(|&row| row as usize));
-        Self { problem, rows, inverse_root, touching, lower_only }
+        Self { problem, rows, scaling, touching, lower_only }
     }
 
     /// Every listed row as the column of its own, and the compliance.
@@ -71,7 +91,8 @@ impl<'a> Assembly<'a> {
         for (slot, &row) in self.rows.iter().enumerate() {
             self.add_column(matrix, row, slot, 1.0);
             let compliance = self.problem.rows[row as usize].compliance;
-            matrix.add(slot, slot, compliance * self.inverse_root[slot].powi(2));
+            let Scaling { of_remainder, to_impulse, .. } = self.scaling;
+            matrix.add(slot, slot, compliance * of_remainder[slot] * to_impulse[slot]);
         }
     }
 
@@ -83,7 +104,7 @@ impl<'a> Assembly<'a> {
         column: usize,
         coefficient: f64,
     ) {
-        let factor = coefficient * self.inverse_root[column];
+        let factor = coefficient * self.scaling.to_impulse[column];
         for (body, J) in self.problem.rows[row as usize].blocks() {
             let weighted = factor * J.component_div(&self.problem.mass[body]);
             for &(slot, side) in self.touching.of(body) {
@@ -92,7 +113,7 @@ impl<'a> Assembly<'a> {
                     continue;
                 }
                 let B = &self.problem.rows[self.rows[slot] as usize].jacobian[side];
-                matrix.add(slot, column, self.inverse_root[slot] * B.dot(&weighted));
+                matrix.add(slot, column, self.scaling.of_remainder[slot] * B.dot(&weighted));
             }
         }
     }

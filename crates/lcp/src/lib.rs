@@ -26,7 +26,9 @@ mod rows;
 mod saddle;
 mod solution;
 mod solver;
+mod sweeps;
 mod validate;
+mod walk;
 
 pub use active_set::{ActiveSystem, Fold, Reduced};
 pub use band::{BandMatrix, Cholesky, Lu};
@@ -44,3 +46,5 @@ pub use raw::{RawFriction, RawLcp, RawPolish, RawSolution, RawSolver};
 pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Method, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
+pub use sweeps::Sweeps;
+pub use walk::Walk;

@@ -16,8 +16,8 @@ pub(crate) struct Reading<'a> {
 impl Reading<'_> {
     /// (ŷ, û) of a row.
     fn scaled(&self, row: usize) -> (f64, f64) {
-        let root = self.metric.root[row];
-        (self.impulses[row] * root, self.slacks[row] / root)
+        let Self { metric, impulses, slacks, .. } = self;
+        (metric.impulse(row, impulses[row]), metric.remainder(row, slacks[row]))
     }
 
     /// The mode that the natural map's piece at (ŷ, û) has. Closed contacts with ŷ < `release` · s*
@@ -82,9 +82,9 @@ impl Reading<'_> {
         match self.problem.rows[row].law {
             Law::Friction { normal, mu } => {
                 let normal = normal as usize;
-                let ahead =
-                    self.impulses[normal] - self.slacks[normal] / self.metric.root[normal].powi(2);
-                mu * ahead.max(self.impulses[normal]).max(0.0) * self.metric.root[row]
+                let (y, u) = self.scaled(normal);
+                let ahead = self.metric.true_impulse(normal, y.max(y - u).max(0.0));
+                self.metric.impulse(row, mu * ahead)
             }
             law => self.metric.bound(law, row, self.impulses),
         }

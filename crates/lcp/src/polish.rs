@@ -57,8 +57,8 @@ impl Polished {
     /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual.
     #[must_use]
     pub fn rounding(&self, metric: &Metric) -> f64 {
-        let scaled =
-            self.solution.impulses.iter().zip(&metric.root).map(|(y, root)| y.abs() * root);
+        let impulses = self.solution.impulses.iter().enumerate();
+        let scaled = impulses.map(|(row, impulse)| metric.impulse(row, impulse.abs()));
         metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max)).min(MOST_ROUNDING)
     }
 
@@ -239,7 +239,7 @@ impl Polish<'_> {
     /// Unilateral impulses that are negative by rounding only become zero.
     fn lift(&self, impulses: &mut [f64]) {
         for (row, impulse) in impulses.iter_mut().enumerate() {
-            let rounding = KEEP * self.metric.scale / self.metric.root[row];
+            let rounding = self.metric.true_impulse(row, KEEP * self.metric.scale);
             if *impulse < 0.0
                 && *impulse >= -rounding
                 && self.problem.rows[row].law == Law::Unilateral
@@ -267,7 +267,7 @@ impl Polish<'_> {
             if modes[i] != Mode::Active {
                 continue;
             }
-            let y = solution.impulses[i] * self.metric.root[i];
+            let y = self.metric.impulse(i, solution.impulses[i]);
             let bound = self.metric.bound(row.law, i, &solution.impulses);
             modes[i] = match row.law {
                 Law::Unilateral if y <= WEAK * self.metric.scale => Mode::Open,

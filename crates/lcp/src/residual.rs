@@ -1,7 +1,7 @@
 //! How far a candidate is from solving the problem, free of units.
 //!
 //! ```text
-//!  Wᵢᵢ = Jᵢ M⁻¹ Jᵢᵀ + cᵢ       ŷᵢ = λᵢ √Wᵢᵢ       ûᵢ = uᵢ / √Wᵢᵢ       ĥᵢ = hᵢ √Wᵢᵢ      √(N·m·s⁻¹·s) each
+//!  Wᵢᵢ = Jᵢ M⁻¹ Jᵢᵀ + cᵢ       ŷᵢ = λᵢ √Wᵢᵢ       ûᵢ = uᵢ / √Wᵢᵢ       ĥᵢ = hᵢ √Wᵢᵢ      √J each
 //!  s* = max( max_k |p_k|/√M_kk , max_i |bᵢ|/√Wᵢᵢ )
 //!
 //!  momentum     max_k |M v − Jᵀ λ − p|_k / (√M_kk s* + Σᵢ |Jᵢₖ λᵢ|)
@@ -13,6 +13,10 @@
 //! ŷ, û and s* are square roots of energies: the quotients do not change with the units of length,
 //! mass or time, and no mass ratio weighs them. 0/0 counts as 0, and so does a defect too small for
 //! normal numbers: what a sticking contact lets through gets there after some twenty steps.
+//!
+//! Masses are counted in the largest power of two that the greatest of them reaches, μ: a mass M is
+//! M/μ, an impulse λ/μ, a weight μ Wᵢᵢ. Nothing else would make the square roots the same to the last
+//! bit when the unit of mass changes by an odd power of two.
 //!
 //! A momentum defect is relative to the impulses that act on the body, too: between two heavy
 //! bodies, impulses on a light one cancel to the last digit only, which no candidate can avoid.
@@ -52,8 +56,10 @@ impl Residual {
 /// The mass-weighted units of one problem: computed once, used by every residual and mode reading.
 #[derive(Clone, Debug)]
 pub struct Metric {
-    /// √Wᵢᵢ per row.
-    pub root: Vec<f64>,
+    /// √(μ Wᵢᵢ) per row.
+    root: Vec<f64>,
+    /// μ, the unit of mass.
+    unit: f64,
     /// s*, the problem's own scale.
     pub scale: f64,
 }
@@ -62,18 +68,61 @@ impl Metric {
     /// The metric of `problem`.
     #[must_use]
     pub fn new(problem: &Lcp) -> Self {
-        let root: Vec<f64> =
-            (0..problem.rows.len()).map(|row| problem.row_weight(row).sqrt()).collect();
-        let mut scale = 0.0_f64;
+        let unit = power_of_two(problem.mass.iter().fold(0.0, |most: f64, m| most.max(m.x)));
+        let root = |row| (problem.row_weight(row) * unit).sqrt();
+        let root: Vec<f64> = (0..problem.rows.len()).map(root).collect();
+        let mut metric = Self { root, unit, scale: 0.0 };
         for (p, m) in problem.momentum.iter().zip(&problem.mass) {
             for k in 0..3 {
-                scale = scale.max(p[k].abs() / m[k].sqrt());
+                metric.scale = metric.scale.max(metric.momentum(p[k], m[k]).abs());
             }
         }
-        for (row, root) in problem.rows.iter().zip(&root) {
-            scale = scale.max(row.rhs.abs() / root);
+        for (row, b) in problem.rows.iter().enumerate() {
+            metric.scale = metric.scale.max(metric.remainder(row, b.rhs).abs());
         }
-        Self { root, scale }
+        metric
+    }
+
+    /// √(μ Wᵢᵢ) of a row.
+    #[must_use]
+    pub fn root(&self, row: usize) -> f64 {
+        self.root[row]
+    }
+
+    /// μ, the unit of mass, kg.
+    #[must_use]
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// ŷ of a row's impulse.
+    #[must_use]
+    pub fn impulse(&self, row: usize, impulse: f64) -> f64 {
+        impulse * self.root[row] / self.unit
+    }
+
+    /// The impulse of a row's ŷ, N·s or N·m·s.
+    #[must_use]
+    pub fn true_impulse(&self, row: usize, impulse: f64) -> f64 {
+        impulse * self.unit / self.root[row]
+    }
+
+    /// û of a row's remainder.
+    #[must_use]
+    pub fn remainder(&self, row: usize, remainder: f64) -> f64 {
+        remainder / self.root[row]
+    }
+
+    /// p/√M of one coordinate.
+    #[must_use]
+    pub fn momentum(&self, momentum: f64, mass: f64) -> f64 {
+        momentum / (self.unit * mass).sqrt()
+    }
+
+    /// The velocity of one coordinate from √M v, m/s or rad/s.
+    #[must_use]
+    pub fn true_velocity(&self, velocity: f64, mass: f64) -> f64 {
+        velocity * self.unit / (self.unit * mass).sqrt()
     }
 
     /// A defect divided by the scale; NaN counts as infinite, 0/0 as 0.
@@ -84,9 +133,9 @@ impl Metric {
     /// The bound ĥ of a bounded or friction row, from the impulses as they are.
     pub(crate) fn bound(&self, law: Law, row: usize, impulses: &[f64]) -> f64 {
         match law {
-            Law::Bounded { max } => max * self.root[row],
+            Law::Bounded { max } => self.impulse(row, max),
             Law::Friction { normal, mu } => {
-                mu * impulses[normal as usize].max(0.0) * self.root[row]
+                self.impulse(row, mu * impulses[normal as usize].max(0.0))
             }
             Law::Equality | Law::Unilateral => f64::INFINITY,
         }
@@ -117,7 +166,7 @@ impl Lcp {
             Residual { momentum: self.momentum_defect(metric, solution), ..Residual::default() };
         for (i, row) in self.rows.iter().enumerate() {
             let remainder = row.velocity(v) + row.compliance * impulses[i] - row.rhs;
-            let (y, u) = (impulses[i] * metric.root[i], remainder / metric.root[i]);
+            let (y, u) = (metric.impulse(i, impulses[i]), metric.remainder(i, remainder));
             let (part, defect) = match row.law {
                 Law::Equality => (&mut residual.equality, u),
                 Law::Unilateral => (&mut residual.unilateral, y.min(u)),
@@ -146,13 +195,19 @@ impl Lcp {
         let mut worst = 0.0_f64;
         for (body, (m, v)) in self.mass.iter().zip(&solution.velocities).enumerate() {
             for k in 0..3 {
-                let root = m[k].sqrt();
-                let defect = (m[k] * v[k] - balance[body][k]).abs() / root;
-                worst = worst.max(quotient(defect, metric.scale + impulses[body][k] / root));
+                let defect = metric.momentum(m[k] * v[k] - balance[body][k], m[k]).abs();
+                let acting = metric.momentum(impulses[body][k], m[k]);
+                worst = worst.max(quotient(defect, metric.scale + acting));
             }
         }
         worst
     }
+}
+
+/// The largest power of two up to a positive number; 1 where there is none.
+fn power_of_two(x: f64) -> f64 {
+    let exponent = f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
+    if exponent.is_normal() { exponent } else { 1.0 }
 }
 
 /// Defect over scale; NaN counts as infinite, 0/0 and what is too small for normal numbers as 0.

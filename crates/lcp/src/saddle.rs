@@ -13,6 +13,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use crate::delassus::Scaling;
 use crate::{Fold, Lcp, pseudo_inverse};
 
 const ALPHA: f64 = 1e-7;
@@ -33,7 +34,7 @@ impl Saddle {
         problem: &Lcp,
         rows: &[u32],
         folds: &[Fold],
-        inverse_root: &[f64],
+        scaling: &Scaling,
     ) -> Option<Self> {
         let (n, m) = (3 * problem.mass.len(), rows.len());
         if n + m > MOST_UNKNOWNS {
@@ -44,7 +45,8 @@ impl Saddle {
         let mut add = |row: u32, slot: usize, coefficient: f64, in_B: bool| {
             for (body, J) in problem.rows[row as usize].blocks() {
                 for k in 0..3 {
-                    let scaled = inverse_root[slot] * J[k] / problem.mass[body][k].sqrt();
+                    let root = (scaling.unit * problem.mass[body][k]).sqrt();
+                    let scaled = scaling.to_impulse[slot] * J[k] / root;
                     K[(3 * body + k, n + slot)] -= coefficient * scaled;
                     if in_B {
                         K[(n + slot, 3 * body + k)] += scaled;
@@ -59,7 +61,9 @@ impl Saddle {
             add(fold.row, fold.column as usize, fold.coefficient, false);
         }
         for (slot, &row) in rows.iter().enumerate() {
-            let compliance = problem.rows[row as usize].compliance * inverse_root[slot].powi(2);
+            let compliance = problem.rows[row as usize].compliance
+                * scaling.of_remainder[slot]
+                * scaling.to_impulse[slot];
             K[(n + slot, n + slot)] += compliance / ALPHA;
         }
         Some(Self { inverse: pseudo_inverse(&K, DEPENDENT)?, unknowns: n })

@@ -33,8 +33,12 @@ pub enum Method {
     ActiveSet,
     /// An interior point, or a fixed point of convex programs, and the modes that it showed.
     InteriorPoint,
+    /// Projected Gauss–Seidel, and a walk along the active sets from there.
+    Walk,
     /// Lemke's pivoting.
     Pivoting,
+    /// All modes of the rows that were in doubt.
+    Enumeration,
 }
 
 /// What a solve cost.

@@ -29,6 +29,7 @@ mod quiet;
 mod raw;
 mod reactions;
 mod redundant;
+mod retold;
 mod rolling;
 mod shots;
 mod simultaneous;
@@ -37,6 +38,7 @@ mod stopping;
 mod strained;
 mod thresholds;
 mod tipping;
+mod told;
 
 /// All cases, by identifier.
 #[must_use]
@@ -67,6 +69,7 @@ pub fn cases() -> Vec<&'static Case> {
         raw::CASES,
         reactions::CASES,
         redundant::CASES,
+        retold::CASES,
         rolling::CASES,
         shots::CASES,
         simultaneous::CASES,

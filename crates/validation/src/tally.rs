@@ -50,14 +50,17 @@ impl Tally {
             Method::Linear => "one linear solve",
             Method::ActiveSet => "modes at the free velocities",
             Method::InteriorPoint => "interior point",
+            Method::Walk => "walks along active sets",
             Method::Pivoting => "pivoting",
+            Method::Enumeration => "modes in doubt, one after another",
         }
     }
 
     /// Problems that only a last resort solved.
     #[must_use]
     pub fn last_resorts(&self) -> usize {
-        self.problems.get(&Method::Pivoting).copied().unwrap_or(0)
+        let last = [Method::Walk, Method::Pivoting, Method::Enumeration];
+        last.iter().filter_map(|method| self.problems.get(method)).sum()
     }
 }
 

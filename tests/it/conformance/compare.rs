@@ -91,7 +91,8 @@ fn several(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> bool {
     let metric = Metric::new(problem);
     let exact = |solution: &LcpSolution| {
         // Impulses of a jammed body may be thousands of times what drives it, and round accordingly.
-        let impulses = solution.impulses.iter().zip(&metric.root).map(|(y, root)| (y * root).abs());
+        let scaled = |(row, y): (usize, &f64)| metric.impulse(row, *y).abs();
+        let impulses = solution.impulses.iter().enumerate().map(scaled);
         let rounding = 4.0 * f64::EPSILON * impulses.fold(0.0, f64::max) / metric.scale;
         problem.residual(solution).max() <= EXACT.max(rounding)
     };
@@ -123,14 +124,14 @@ fn flat(problem: &Lcp, by: &LcpVector, rows: bool) -> Vec<f64> {
     let mut all = Vec::new();
     for (body, mass) in problem.mass.iter().enumerate() {
         for k in 0..3 {
-            all.push(by.momentum[body][k] * mass[k].sqrt());
+            all.push(by.momentum[body][k] * (metric.unit() * mass[k]).sqrt());
             all.push(by.mass[body][k] * mass[k] / metric.scale);
         }
     }
     if rows {
-        for (row, root) in by.rows.iter().zip(&metric.root) {
-            let RowVector { rhs, bound, .. } = row;
-            all.extend([rhs * root, bound / metric.scale]);
+        for (row, by) in by.rows.iter().enumerate() {
+            let RowVector { rhs, bound, .. } = by;
+            all.extend([rhs * metric.root(row), bound / metric.scale]);
         }
     }
     all

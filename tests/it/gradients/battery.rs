@@ -3,8 +3,8 @@
 use tangency::{BodyDef, ContactModel, Correction, Param, SceneDef, Stabilisation};
 use tangency_bench::scenes::{
     chain, compound_tumble, conveyor, disc, doubled_hinge, falling_disc, incline_block, material,
-    motor_arm, paper_chain, pendulum, piston, sliding_disc, soft_bridge, spring_cart, stack,
-    unit_scene,
+    misfit_hinges, motor_arm, narrow_slot, paper_chain, pendulum, piston, sliding_disc,
+    soft_bridge, spring_cart, stack, unit_scene,
 };
 
 /// A scene, how long it runs, and the numbers in which it sits on a switch.
@@ -46,6 +46,8 @@ pub(crate) fn battery() -> Vec<Entry> {
         entry(velocity_model(), 8),
         shifted_stack(),
         entry(pushed_chain(), 20),
+        entry(narrow_slot(0.8), 2),
+        entry(misfit_hinges(0.004), 3),
     ]
 }
 

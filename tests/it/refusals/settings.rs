@@ -13,6 +13,7 @@ fn settings() {
     check(|d| d.gravity[1] = f64::INFINITY, "gravity[1] is inf: give a finite number");
     check(|d| d.tolerance = 0.0, "tolerance is 0: give a positive finite number");
     check(|d| d.recovery_speed = -1.0, "recovery_speed is -1: give a positive finite number");
+    check(|d| d.recovery_rate = 0.0, "recovery_rate is 0: give a positive finite number");
     check(
         |d| d.contact_model = ContactModel::Velocity { contact_distance: 0.0 },
         "contact_model.velocity.contact_distance is 0: give a positive finite number",

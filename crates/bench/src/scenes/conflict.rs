@@ -1,22 +1,14 @@
 //! Scenes that no motion satisfies, or that begin where none should.
 
-use tangency_core::{BodyDef, BodyKind, JointDef, JointKind, Limits, SceneDef, WORLD};
+use tangency_core::{BodyDef, BodyKind, SceneDef};
 
-use super::bodies::{block, disc, floor, hinge, plane, rod, unit_scene};
+use super::bodies::{block, disc, floor, plane, unit_scene};
+use super::tight::misfit_hinges;
 
 /// V30: rod of 1 m, pinned at its ends to two points 1.5 m apart.
 #[must_use]
 pub fn overstretched_rod() -> SceneDef {
-    let kind = JointKind::Revolute {
-        anchor: [1.5, 0.0],
-        anchor_b: Some([1.0, 0.0]),
-        limits: Limits::default(),
-        motor: None,
-    };
-    let far = JointDef { kind, ..hinge("far", WORLD, "rod", [0.0; 2]) };
-    let bodies = vec![rod("rod", 1.0, 1.0, [0.5, 0.0], 0.0)];
-    let joints = vec![hinge("near", WORLD, "rod", [0.0; 2]), far];
-    SceneDef { name: "overstretched rod".into(), bodies, joints, ..SceneDef::default() }
+    SceneDef { name: "overstretched rod".into(), ..misfit_hinges(0.5) }
 }
 
 /// V30: a piston presses a unit box into a wall at 1 m/s.

@@ -44,6 +44,16 @@ pub fn motor_arm() -> SceneDef {
     SceneDef { name: "motor arm".into(), bodies, joints, controls, ..SceneDef::default() }
 }
 
+/// The [`motor_arm`] with its elbow 0.3 rad below a lower limit at the start.
+#[must_use]
+pub fn bent_arm() -> SceneDef {
+    let mut def = motor_arm();
+    if let JointKind::Revolute { limits, .. } = &mut def.joints[1].kind {
+        *limits = Limits { lower: Some(0.3), upper: None };
+    }
+    SceneDef { name: "bent arm".into(), ..def }
+}
+
 /// A mass on a rail between spring and stop, another hung from it by a distance joint; pushed by
 /// a force in a window of time.
 #[must_use]

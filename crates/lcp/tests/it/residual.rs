@@ -75,7 +75,9 @@ fn units_change_neither_residual_nor_modes() {
         solution.impulses[0] *= 1.01;
         let residual = problem.residual(&solution);
         assert!(residual.max() > 1e-4);
-        for units in [[20, 0, 0], [-20, 0, 0], [0, 20, 0], [0, -20, 0], [0, 0, 10], [6, -8, -10]] {
+        let alone = [[20, 0, 0], [-20, 0, 0], [0, 20, 0], [0, -20, 0], [0, 0, 10]];
+        let odd = [[0, 1, 0], [0, -19, 0], [7, -9, 11]];
+        for units in alone.into_iter().chain(odd).chain([[6, -8, -10]]) {
             let scaled = in_units(&problem, units);
             assert_eq!(
                 scaled.residual(&solution_in_units(&solution, units)),

@@ -1,0 +1,93 @@
+//! Where what should be contradicts itself (bounces, position errors), it gives way, is recorded, and
+//! what must be still holds.
+
+use tangency::core::row::Stage;
+use tangency::diff::StateVector;
+use tangency::lcp::LcpError;
+use tangency::{Param, State, StepError, StepRecord, gradient, simulate};
+use tangency_bench::scenes::{misfit_hinges, narrow_slot, wedged_box};
+
+use crate::engine::{backends, built, first_step, near, run};
+
+fn stages(record: &StepRecord) -> Vec<Stage> {
+    let post = record.post.iter().flat_map(|post| &post.islands);
+    record.islands.iter().chain(post).map(|island| island.stage).collect()
+}
+
+/// Two corners at each wall give way by κ Wᵢᵢ, Wᵢᵢ = 1/M + (h/2)²/I = 5/(2 M), κ = 0.01:
+/// ±w + κ Wᵢᵢ λᵢ = bᵢ and M w = 2 (λ₁ − λ₂), so that of δ there remains δ/(1 + 8/(5 κ)) = δ/161.
+#[test]
+fn wedged_box_moves_to_the_middle() {
+    for solver in backends() {
+        let offset = 0.03;
+        let record = first_step(&built(&wedged_box(offset)), &*solver);
+        assert_eq!(stages(&record), [Stage::Velocity, Stage::SoftPost]);
+        near("wedged box", record.after.q[2].x, offset / 161.0, 1e-14);
+        assert_eq!(record.after.v[2].norm(), 0.0, "mending adds no velocity");
+    }
+}
+
+/// x⁺ = δ/(1 + 2 s), s = 2/(κ r), r = 1 + M/(4 I): the softness counts among the derivatives.
+#[test]
+fn wedged_box_derivatives() {
+    for solver in backends() {
+        let scene = built(&wedged_box(0.03));
+        let tape = run(&scene, &*solver, 1);
+        let seed = |k: usize, state: &State| {
+            let mut seed = StateVector::like(state);
+            seed.q[2].x = 1.0;
+            (k == 1).then_some(seed)
+        };
+        let by = gradient(&scene, &tape, seed).expect("a gradient").by;
+        near("by the offset", by.by(&scene, Param::Position(2, 0)), 1.0 / 161.0, 1e-14);
+        let (mass, inertia) = (2.0, 2.0 / 6.0);
+        let by_s = -2.0 * 0.03 / (161.0 * 161.0);
+        let by_r = -2.0 / 0.01 / (2.5 * 2.5) * by_s;
+        let by_inertia = by_r * -mass / (4.0 * inertia * inertia);
+        near("by the inertia", by.by(&scene, Param::Inertia(2)), by_inertia, 1e-14);
+        // The mass scales the inertia along, and nothing changes.
+        near("by the mass", by.by(&scene, Param::Mass(2)), 0.0, 1e-14);
+    }
+}
+
+/// Off one wall at e v means through the other: the ball stops at the wall instead.
+#[test]
+fn ball_in_a_narrow_slot_does_not_bounce() {
+    for solver in backends() {
+        let scene = built(&narrow_slot(0.8));
+        let record = first_step(&scene, &*solver);
+        assert_eq!(stages(&record), [Stage::Plastic]);
+        near("meets the wall", record.after.q[2].x, 2e-3, 1e-15);
+        assert_eq!(record.counts(&scene).plastic_islands, 1);
+        let tape = run(&scene, &*solver, 50);
+        let worst = tape.states().map(|s| s.q[2].x.abs()).fold(0.0, f64::max);
+        near("stays in the slot", worst, 2e-3, 1e-12);
+    }
+}
+
+/// Both hinges share a misfit that is small for drift; the rod does not move otherwise.
+#[test]
+fn misfit_hinges_share_the_misfit() {
+    for solver in backends() {
+        let scene = built(&misfit_hinges(0.01));
+        let record = first_step(&scene, &*solver);
+        assert_eq!(stages(&record), [Stage::Loose, Stage::SoftPost]);
+        let tape = run(&scene, &*solver, 100);
+        let (q, v) = (tape.last().q[0], tape.last().v[0]);
+        near("x", q.x, 0.505, 1e-8);
+        near("y", q.y, 0.0, 1e-8);
+        near("speed", v.norm(), 0.0, 1e-6);
+    }
+}
+
+/// A misfit that no drift explains is refused, with what was violated.
+#[test]
+fn misfit_that_is_no_drift() {
+    for solver in backends() {
+        let error = simulate(&built(&misfit_hinges(0.3)), &*solver, 1).expect_err("infeasible");
+        let StepError::Lcp { source: LcpError::Infeasible { residual }, .. } = error else {
+            panic!("{error}");
+        };
+        assert!(residual > 1e-3, "{residual}");
+    }
+}
