@@ -19,6 +19,9 @@ use tangency_core::{Scene, SceneDef};
 pub use error::SceneFileError;
 pub use place::Place;
 
+/// Some editors begin a file with it.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
 /// How a scene is written down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneFormat {
@@ -68,6 +71,7 @@ pub fn read_scene(path: impl AsRef<Path>) -> Result<SceneDef, SceneFileError> {
 /// # Errors
 /// A [`SceneFileError`] that names line and key.
 pub fn parse_scene(text: &str, format: SceneFormat) -> Result<SceneDef, SceneFileError> {
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let def = match format {
         SceneFormat::Toml => parse_toml(text),
         SceneFormat::Json => parse_json(text),
@@ -97,8 +101,14 @@ pub fn scene_to_json(def: &SceneDef) -> String {
 
 fn read(path: &Path) -> Result<(&Path, SceneFormat, String), SceneFileError> {
     let format = SceneFormat::of(path)?;
-    let text = fs::read_to_string(path)
-        .map_err(|source| SceneFileError::Read { file: path.to_owned(), source })?;
+    let bytes =
+        fs::read(path).map_err(|source| SceneFileError::Read { file: path.to_owned(), source })?;
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let (valid, byte) = (error.utf8_error().valid_up_to(), error.as_bytes());
+        let place = Place::at(&String::from_utf8_lossy(&byte[..valid]), valid).in_file(path);
+        SceneFileError::NotUtf8 { place, byte: byte[valid] }
+    })?;
+    let text = text.strip_prefix(BYTE_ORDER_MARK).map(str::to_owned).unwrap_or(text);
     Ok((path, format, text))
 }
 

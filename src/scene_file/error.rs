@@ -25,6 +25,14 @@ pub enum SceneFileError {
         /// The file.
         file: PathBuf,
     },
+    /// The bytes are no text.
+    #[error("{place}: byte {byte:#04x} is not UTF-8; save the file as UTF-8")]
+    NotUtf8 {
+        /// Where the first wrong byte stands.
+        place: Place,
+        /// The byte.
+        byte: u8,
+    },
     /// The text is not TOML or JSON.
     #[error("{place}: {message}")]
     Syntax {
@@ -61,7 +69,7 @@ impl SceneFileError {
             Self::Syntax { place, .. }
             | Self::Malformed { place, .. }
             | Self::Refused { place, .. } => place.file = Some(path.to_owned()),
-            Self::Read { .. } | Self::Extension { .. } => {}
+            Self::Read { .. } | Self::Extension { .. } | Self::NotUtf8 { .. } => {}
         }
         self
     }
@@ -74,11 +82,11 @@ impl SceneFileError {
     /// A complaint of the parser.
     pub(super) fn syntax(place: Place, message: &str, text: &str) -> Self {
         let mut message = message.trim_end_matches(", expected nothing").to_owned();
-        if let Some(line) = text.lines().nth(place.line - 1).filter(|line| !line.trim().is_empty())
-        {
-            message = format!("{message}, in `{}`", line.trim());
+        let line = text.lines().nth(place.line - 1).unwrap_or_default();
+        if !line.trim().is_empty() {
+            message = format!("{message}, in `{}`", excerpt(line, place.column));
         }
-        Self::Syntax { place, message }
+        Self::Syntax { place, message: shortened(&message) }
     }
 
     /// A complaint of serde about the key at `path`.
@@ -92,8 +100,36 @@ impl SceneFileError {
         if key.is_empty() || key == "." || key == "?" {
             key = "scene".into();
         }
-        Self::Malformed { place, key, message: explain(&message) }
+        Self::Malformed { place, key: shortened(&key), message: shortened(&explain(&message)) }
     }
+}
+
+/// Longer messages lose their middle, in characters.
+const LONGEST: usize = 600;
+/// Lines are quoted up to this many characters around the column.
+const QUOTED: usize = 80;
+
+/// A message without the middle of what it quotes, if that is very long.
+fn shortened(message: &str) -> String {
+    let count = message.chars().count();
+    if count <= LONGEST {
+        return message.into();
+    }
+    let head: String = message.chars().take(LONGEST / 2).collect();
+    let tail: String = message.chars().skip(count - LONGEST / 2).collect();
+    format!("{head} … {tail}")
+}
+
+/// What stands on a line around a column.
+fn excerpt(line: &str, column: usize) -> String {
+    let line: Vec<char> = line.trim_end().chars().collect();
+    let start = column.saturating_sub(QUOTED / 2);
+    let start = if line.len() <= QUOTED { 0 } else { start.min(line.len() - QUOTED) };
+    let end = line.len().min(start + QUOTED);
+    let part: String = line[start..end].iter().collect();
+    let before = if start > 0 { "… " } else { "" };
+    let after = if end < line.len() { " …" } else { "" };
+    format!("{before}{}{after}", part.trim())
 }
 
 /// Serde's message in the words of a scene file, with a remedy.

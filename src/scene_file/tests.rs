@@ -7,6 +7,8 @@ use tangency_core::{
 
 use super::*;
 
+mod texts;
+
 const BODY: &str = "[[bodies]]\nname = \"a\"\n";
 const JOINT: &str = "[[joints]]\nname = \"j\"\nbodies = [\"a\", \"b\"]\n";
 

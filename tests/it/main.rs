@@ -15,6 +15,7 @@ mod conformance;
 mod conservation;
 mod determinism;
 mod forces;
+mod fuzzed;
 mod giving_way;
 mod gradients;
 mod joints;

@@ -7,6 +7,7 @@
 //! runs are the same.
 
 pub mod finite_difference;
+pub mod mutation;
 pub mod problems;
 mod random_scene;
 pub mod retelling;

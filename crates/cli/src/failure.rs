@@ -9,6 +9,7 @@ use tangency::{SceneError, SceneFileError, StepError};
 
 use crate::formula::FormulaError;
 use crate::lcp::LcpFileError;
+use crate::simulate::MOST_STEPS;
 
 /// Why a command did not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -85,6 +86,16 @@ pub enum Failure {
         /// Why.
         source: StepError,
     },
+    /// A run that nobody could wait for.
+    #[error(
+        "{steps:e} steps of {dt} s are more than {MOST_STEPS}; give a shorter time or a longer --dt"
+    )]
+    TooManySteps {
+        /// The steps asked for.
+        steps: f64,
+        /// The time step, s.
+        dt: f64,
+    },
     /// A state has no answer.
     #[error(transparent)]
     State(#[from] StepError),
@@ -100,7 +111,7 @@ pub enum Failure {
         source: SceneError,
     },
     /// A formula is wrong.
-    #[error("--loss {text:?} is no file, and as a formula wrong at {source}")]
+    #[error("--loss {:?} is no file, and as a formula wrong at {source}", excerpt(text))]
     Loss {
         /// The formula.
         text: String,
@@ -148,6 +159,13 @@ pub enum Failure {
     },
 }
 
+/// The start of a text that may be very long.
+fn excerpt(text: &str) -> String {
+    const SHOWN: usize = 200;
+    let start: String = text.chars().take(SHOWN).collect();
+    if start.len() < text.len() { start + " …" } else { start }
+}
+
 impl Failure {
     /// 2 if the fault is in what the user gave, 1 otherwise.
     #[must_use]
@@ -162,6 +180,7 @@ impl Failure {
             | Self::Read { .. }
             | Self::Parameter(_)
             | Self::Value { .. }
+            | Self::TooManySteps { .. }
             | Self::Loss { .. }
             | Self::StartCount { .. }
             | Self::Overlap { .. } => ExitCode::from(2),

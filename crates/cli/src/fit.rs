@@ -75,7 +75,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let parameters = Parameter::parse_all(&scene, &arguments.learn)?;
     check_apart(&parameters)?;
     let observed = Observations::read(&arguments.observed, &scene)?;
-    let steps = optimise::steps_until(scene.dt(), observed.end());
+    let steps = optimise::steps_until(scene.dt(), observed.end())?;
     let solver = solver.as_ref();
     let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
     let start = start_values(arguments, &objective)?;

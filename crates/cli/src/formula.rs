@@ -12,6 +12,10 @@
 
 use std::f64::consts::PI;
 
+/// Formulas of more bytes, or nested deeper, are refused: they are read and evaluated recursively.
+const LONGEST: usize = 4000;
+const DEEPEST: usize = 100;
+
 /// A formula whose variables are of type `V`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula<V> {
@@ -69,7 +73,11 @@ impl<V: PartialEq> Formula<V> {
         text: &str,
         resolve: impl Fn(&str) -> Result<V, String>,
     ) -> Result<Self, FormulaError> {
-        let mut parser = Parser { text, at: 0, variables: Vec::new(), resolve };
+        let mut parser = Parser { text, at: 0, depth: 0, variables: Vec::new(), resolve };
+        if text.len() > LONGEST {
+            let message = format!("{} bytes are too many; {LONGEST} are allowed", text.len());
+            return Err(parser.error(message));
+        }
         let root = parser.sum()?;
         match parser.peek() {
             None => Ok(Self { variables: parser.variables, root }),
@@ -88,6 +96,8 @@ impl<V: PartialEq> Formula<V> {
 struct Parser<'a, V, R> {
     text: &'a str,
     at: usize,
+    /// How deep the place is nested.
+    depth: usize,
     variables: Vec<V>,
     resolve: R,
 }
@@ -110,6 +120,16 @@ impl<V: PartialEq, R: Fn(&str) -> Result<V, String>> Parser<'_, V, R> {
     }
 
     fn sign(&mut self) -> Result<Node, FormulaError> {
+        if self.depth == DEEPEST {
+            return Err(self.error(format!("nested more than {DEEPEST} deep; simplify it")));
+        }
+        self.depth += 1;
+        let node = self.signed();
+        self.depth -= 1;
+        node
+    }
+
+    fn signed(&mut self) -> Result<Node, FormulaError> {
         match self.accept(&['+', '-']) {
             Some('-') => Ok(Node::Negative(Box::new(self.sign()?))),
             Some(_) => self.sign(),
@@ -345,5 +365,16 @@ mod tests {
         assert_eq!(error("1.2.3"), "column 1: `1.2.3` is not a number");
         assert_eq!(error("{a.x"), "column 1: `}` is missing");
         assert_eq!(error("a.x * *"), "column 7: unexpected `*`; a number or a name was expected");
+    }
+
+    /// Formulas are read and evaluated recursively: deep ones must not use up the stack.
+    #[test]
+    fn length_and_depth_are_bounded() {
+        let error = |text: String| parse(&text).expect_err("the formula is too much").to_string();
+        let deep = "column 101: nested more than 100 deep; simplify it";
+        assert_eq!(error("(".repeat(4000)), deep);
+        assert_eq!(error("-".repeat(4000)), deep);
+        assert_eq!(error(" ".repeat(4001)), "column 1: 4001 bytes are too many; 4000 are allowed");
+        check(&"+a.x".repeat(1000), [0.5, 0.0], 500.0, [1000.0, 0.0]);
     }
 }

@@ -12,7 +12,7 @@ use crate::args::positive;
 use crate::grid::Grid;
 use crate::loss::Loss;
 use crate::objective::{Evaluation, Objective};
-use crate::simulate::{find_solver, n_steps, scene_with};
+use crate::simulate::{find_solver, n_steps, scene_with, whole};
 use crate::{Console, Failure};
 
 /// The options of `gradient`.
@@ -87,13 +87,14 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let scene = scene_with(&arguments.scene, arguments.dt)?;
     let parameters = Parameter::parse_all(&scene, &arguments.wrt)?;
     let loss = Loss::parse(&arguments.loss, &scene)?;
-    let steps = arguments.steps.unwrap_or_else(|| {
-        let duration = arguments.duration.unwrap_or_else(|| match &loss {
-            Loss::Formula(_) => scene.def().duration,
-            Loss::Observed(observed) => observed.end(),
-        });
-        n_steps(duration, scene.dt())
+    let duration = arguments.duration.unwrap_or_else(|| match &loss {
+        Loss::Formula(_) => scene.def().duration,
+        Loss::Observed(observed) => observed.end(),
     });
+    let steps = match arguments.steps {
+        Some(steps) => whole(steps as f64, scene.dt())?,
+        None => n_steps(duration, scene.dt())?,
+    };
     let solver = solver.as_ref();
     let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
     let values = objective.values();

@@ -28,7 +28,7 @@ pub struct Arguments {
 /// Bad input, or a step that failed before the time asked for.
 pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let scene = load_scene(&arguments.scene)?;
-    let steps = n_steps(arguments.time, scene.dt());
+    let steps = n_steps(arguments.time, scene.dt())?;
     let state = if steps == 0 {
         scene.initial_state()
     } else {

@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, DVector};
 use tangency::lcp::{LcpError, RawSolution, RawSolver};
 use tangency::{BACKENDS, raw_solvers};
 
-pub use file::{LcpFileError, Problem, read_problem};
+pub use file::{LcpFileError, Problem, parse_json, parse_matrix_market, read_problem};
 
 use crate::{Console, Failure, Table};
 

@@ -20,6 +20,9 @@ use crate::trajectory_file::{Row, read_rows};
 /// Observed times nearer to a step than this fraction of it are at the step.
 const AT_STEP: f64 = 1e-9;
 
+/// Greatest observed number, as in scenes.
+const LARGEST: f64 = 1e50;
+
 /// Poses of some bodies at some times.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Observations {
@@ -245,8 +248,10 @@ impl Reader<'_> {
         body: usize,
         pose: Vector3<f64>,
     ) -> Result<(), Failure> {
-        if !(time.is_finite() && time >= 0.0 && pose.iter().all(|x| x.is_finite())) {
-            let what = "time, x, y and angle must be finite, and time not negative";
+        // Their squares must not overflow, either.
+        let sound = |x: &f64| x.abs() <= LARGEST;
+        if !(sound(&time) && time >= 0.0 && pose.iter().all(sound)) {
+            let what = "time, x, y and angle must be finite (at most 1e50), and time not negative";
             return Err(self.wrong(index, what.into()));
         }
         let same_time = seen.frames.last().is_some_and(|frame| frame.time == time);

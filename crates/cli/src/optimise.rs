@@ -20,6 +20,7 @@ use crate::Failure;
 use crate::loss::Loss;
 use crate::objective::{Linearisation, Objective};
 use crate::observations::Observations;
+use crate::simulate::whole;
 
 /// How parameters are fitted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -317,7 +318,7 @@ fn continued_gauss_newton(
     let mut horizon = FIRST_HORIZON;
     while horizon < 1.0 && left > 0 {
         let seen = observed.until(horizon * observed.end());
-        let part = objective.shortened(steps_until(objective.scene.dt(), seen.end()));
+        let part = objective.shortened(steps_until(objective.scene.dt(), seen.end())?);
         horizon *= LONGER;
         if seen.is_empty() {
             continue;
@@ -354,14 +355,11 @@ const GREATEST_MOVE: f64 = 1.0;
 const DAMPING: [f64; 3] = [1e-2, 10.0, 1e12];
 
 /// Steps that reach a time, or go a little beyond it.
-#[must_use]
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "times and steps are positive, and nobody waits for 2^53 steps"
-)]
-pub fn steps_until(dt: f64, time: f64) -> usize {
-    (time / dt - 1e-9).ceil().max(0.0) as usize
+///
+/// # Errors
+/// [`Failure::TooManySteps`].
+pub fn steps_until(dt: f64, time: f64) -> Result<usize, Failure> {
+    whole((time / dt - 1e-9).ceil(), dt)
 }
 
 /// Where Levenberg and Marquardt are.

@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let solver = find_solver(&arguments.backend)?;
     let scene = scene_with(&arguments.scene, arguments.dt)?;
     let duration = arguments.duration.unwrap_or(scene.def().duration);
-    let steps = n_steps(duration, scene.dt());
+    let steps = n_steps(duration, scene.dt())?;
     let name = title(&scene, &arguments.scene);
 
     let (run, summary, failure) = simulate(&scene, solver.as_ref(), steps, &name, console);
@@ -87,15 +87,31 @@ pub fn scene_with(file: &Path, dt: Option<f64>) -> Result<Scene, Failure> {
     Ok(Scene::new(&def)?)
 }
 
+/// Runs of more steps are refused.
+pub const MOST_STEPS: usize = 10_000_000;
+
 /// How many steps reach a time: the nearest whole number.
-#[must_use]
+///
+/// # Errors
+/// [`Failure::TooManySteps`].
+pub fn n_steps(time: f64, dt: f64) -> Result<usize, Failure> {
+    whole((time / dt).round(), dt)
+}
+
+/// A number of steps of `dt` that is whole.
+///
+/// # Errors
+/// [`Failure::TooManySteps`].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "both times are positive, and nobody waits for 2^53 steps"
+    reason = "between 0 and MOST_STEPS"
 )]
-pub fn n_steps(time: f64, dt: f64) -> usize {
-    (time / dt).round() as usize
+pub fn whole(steps: f64, dt: f64) -> Result<usize, Failure> {
+    if steps <= MOST_STEPS as f64 {
+        return Ok(steps.max(0.0) as usize);
+    }
+    Err(Failure::TooManySteps { steps, dt })
 }
 
 /// What was simulated before the first step that failed, if one did.

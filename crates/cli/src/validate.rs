@@ -46,7 +46,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
         reports.push(report);
     }
     progress.finish_and_clear();
-    reports.iter().for_each(|report| tell(report, console));
+    for report in &reports {
+        tell(report, console);
+    }
     let page = write(&reports, &chosen, &arguments.out)?;
     console.say(format_args!("\nthe whole table: {}", page.display()));
     let failed = reports.iter().map(|report| report.count(Verdict::Failed)).sum();

@@ -194,6 +194,12 @@ fn bad_options_are_wrong_usage() {
         2,
         "error: unknown backend `magic`; this build has: ipm\n",
     );
+    fail(
+        folder.path(),
+        &["simulate", "ball.toml", "--duration", "1e40"],
+        2,
+        "error: 1e41 steps of 0.1 s are more than 10000000; give a shorter time or a longer --dt\n",
+    );
     assert_eq!(tangency(folder.path(), &["simulat"]).status.code(), Some(2));
 }
 

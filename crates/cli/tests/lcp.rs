@@ -94,6 +94,25 @@ fn wrong_files() {
     refused(&complex, Some(&complex), &["line 1", "real"]);
     let short = write("S.mtx", "%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n");
     refused(&short, Some(&short), &["2 entries", "says 3"]);
+    let wide = "%%MatrixMarket matrix coordinate real symmetric\n1 2 1\n1 2 1\n";
+    let wide = write("W.mtx", wide);
+    refused(&wide, Some(&wide), &["line 2", "1 rows, 2 columns", "is square"]);
+    let skew = "%%MatrixMarket matrix coordinate real skew-symmetric\n2 2 1\n1 1 1\n";
+    let skew = write("K.mtx", skew);
+    refused(&skew, Some(&skew), &["line 3", "diagonal", "leave it out"]);
+    let long = write("L.mtx", &"x".repeat(10_000));
+    let error = read_problem(&long, Some(&long), None).expect_err("refused").to_string();
+    assert!(error.len() < 1000, "{} bytes are no message", error.len());
+}
+
+#[test]
+fn encodings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let marked = written(&folder, "marked.json", &format!("\u{feff}{MIXED}"));
+    read_problem(&marked, None, None).expect("a byte order mark is no fault");
+    let file = folder.path().join("latin.json");
+    fs::write(&file, b"{\"kind\": \"\xfc\"}").expect("the temporary folder is writable");
+    refused(&file, None, &["offset 10", "not UTF-8", "save the file as UTF-8"]);
 }
 
 /// A fault of the problem's, not of the file's: every backend says that there is no solution.

@@ -317,6 +317,6 @@ fn wrong_trajectories_name_line_and_column() {
     );
     check(
         "0,ball,NaN,0,0,0,0,0\n",
-        "2: time, x, y and angle must be finite, and time not negative",
+        "2: time, x, y and angle must be finite (at most 1e50), and time not negative",
     );
 }

@@ -8,6 +8,9 @@ use crate::{
     world::World,
 };
 
+/// A normal whose squared length is further from one is noise.
+const UNIT: f64 = 1e-9;
+
 /// A collider and where it is.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed<'a> {
@@ -88,10 +91,20 @@ pub(crate) fn contact(
     let feature = geometry(core_a, core_b, id.parts);
     let radii = [core_a.radius, core_b.radius];
     let contact = ContactFeature { id, feature, radii }.evaluate_in(frame_a, frame_b);
-    if contact.normal.x.is_finite() {
-        return Ok(contact);
+    if !(contact.gap.is_finite() && contact.point.iter().all(|x| x.is_finite())) {
+        let bodies = id.bodies;
+        let coincide = contact.gap.abs() < f64::INFINITY;
+        return Err(if coincide {
+            CollisionError::CoincidentPoints { bodies }
+        } else {
+            CollisionError::TooFar { bodies }
+        });
     }
-    Err(CollisionError::CoincidentPoints { bodies: id.bodies })
+    // Of points that nearly coincide the squares underflow.
+    if (contact.normal.norm_squared() - 1.0).abs() > UNIT {
+        return Err(CollisionError::CoincidentPoints { bodies: id.bodies });
+    }
+    Ok(contact)
 }
 
 fn geometry(a: &Outline, b: &Outline, parts: Pair) -> Feature {

@@ -20,6 +20,14 @@ pub enum ShapeError {
         /// Its value.
         value: f64,
     },
+    /// A length so large or so small that areas and moments over- or underflow.
+    #[error("{field} is {value:e}; lengths from 1e-50 to 1e50 can be computed with, change units")]
+    OutOfRange {
+        /// The field, as the scene file names it.
+        field: &'static str,
+        /// Its value, m or rad.
+        value: f64,
+    },
     /// A polygon with too few points.
     #[error("points has {count} entries; a polygon needs at least 3")]
     TooFewPoints {
@@ -38,7 +46,7 @@ pub enum ShapeError {
         extent: f64,
     },
     /// A half-plane without a direction.
-    #[error("normal is [{x}, {y}]; it must have a direction, give for example [0, 1]")]
+    #[error("normal is [{x:?}, {y:?}]; it must have a direction, give for example [0, 1]")]
     ZeroNormal {
         /// First component of the normal.
         x: f64,
@@ -88,6 +96,12 @@ pub enum CollisionError {
         y: f64,
         /// Angle, rad.
         angle: f64,
+    },
+    /// Two bodies so far from each other or so fast that their distance overflows.
+    #[error("the distance of bodies {} and {} overflows; they have left the scene", bodies[0], bodies[1])]
+    TooFar {
+        /// Indices of both bodies.
+        bodies: [u32; 2],
     },
     /// A velocity, reach or horizon with an infinite or undefined component.
     #[error("{what} is {value}; it must be finite")]

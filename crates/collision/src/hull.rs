@@ -10,6 +10,9 @@ const COLLINEAR: f64 = 1e-10;
 /// A hull whose area is below this times the squared extent is refused.
 const FLAT: f64 = 1e-9;
 
+/// Hulls of a smaller extent are refused: powers of it underflow, m.
+const SMALLEST: f64 = 1e-50;
+
 /// Vertices of the convex hull as indices into `points`, counter-clockwise, the smallest index first.
 ///
 /// A convex polygon that is given counter-clockwise keeps its order. Points on an edge are no
@@ -40,7 +43,10 @@ pub(crate) fn validate(points: &[[f64; 2]]) -> Result<(), ShapeError> {
     let hull = vertices(points);
     let extent = extent(points);
     let area = area(&hull);
-    if hull.len() >= 3 && area > FLAT * extent * extent && area.is_normal() {
+    if extent > 0.0 && extent < SMALLEST {
+        return Err(ShapeError::OutOfRange { field: "extent of points", value: extent });
+    }
+    if hull.len() >= 3 && area > FLAT * extent * extent {
         return Ok(());
     }
     Err(ShapeError::DegenerateHull { area, extent })

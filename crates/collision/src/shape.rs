@@ -5,6 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::{MassProperties, ShapeError, hull, mass, pose};
 
+/// Lengths outside this range are refused: their fourth powers, and products of those, over- or
+/// underflow.
+const LENGTHS: std::ops::RangeInclusive<f64> = 1e-50..=1e50;
+
 /// A capsule shorter than this times its radius is a circle.
 const SHORTEST_CAPSULE: f64 = 1e-9;
 
@@ -161,29 +165,36 @@ fn validate_capsule(a: &[f64; 2], b: &[f64; 2], radius: f64) -> Result<(), Shape
     finite_point("a", a)?;
     finite_point("b", b)?;
     let length = (vector(b) - vector(a)).norm();
-    if length <= SHORTEST_CAPSULE * radius {
+    if length <= SHORTEST_CAPSULE * radius || length < *LENGTHS.start() {
         return Err(ShapeError::ZeroLength { length, radius });
     }
     Ok(())
 }
 
 fn validate_normal(normal: &[f64; 2]) -> Result<(), ShapeError> {
-    // A length that underflows or overflows leaves no direction either.
-    if vector(normal).norm().is_normal() {
+    // Of a shorter one the square underflows, and the direction is noise.
+    if vector(normal).norm() >= *LENGTHS.start() {
         return Ok(());
     }
     Err(ShapeError::ZeroNormal { x: normal[0], y: normal[1] })
 }
 
 fn positive(field: &'static str, value: f64) -> Result<(), ShapeError> {
-    if value.is_finite() && value > 0.0 {
-        return Ok(());
+    if !(value.is_finite() && value > 0.0) {
+        return Err(ShapeError::NotPositive { field, value });
     }
-    Err(ShapeError::NotPositive { field, value })
+    if LENGTHS.contains(&value) { Ok(()) } else { Err(ShapeError::OutOfRange { field, value }) }
 }
 
 fn finite(field: &'static str, value: f64) -> Result<(), ShapeError> {
-    if value.is_finite() { Ok(()) } else { Err(ShapeError::NotFinite { field, value }) }
+    if !value.is_finite() {
+        return Err(ShapeError::NotFinite { field, value });
+    }
+    if value.abs() <= *LENGTHS.end() {
+        Ok(())
+    } else {
+        Err(ShapeError::OutOfRange { field, value })
+    }
 }
 
 fn finite_point(field: &'static str, point: &[f64; 2]) -> Result<(), ShapeError> {

@@ -1,28 +1,49 @@
 //! Checks that every part of a definition goes through: numbers, points, names.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector2;
 
 use crate::joint::WORLD;
 use crate::{BodyDef, ControlDef, JointDef, SceneError};
 
-/// Refuses what is not a finite number.
+/// Sizes outside this range are refused. With them the products that a step forms (a fourth power of
+/// a length in an inertia, its inverse, the square of that) neither overflow nor vanish.
+pub(crate) const LEAST: f64 = 1e-50;
+const MOST: f64 = 1e50;
+
+const UNITS: &str = "numbers from 1e-50 to 1e50 can be computed with, change units";
+
+/// Refuses what is not a finite number, or too large to compute with.
 pub(crate) fn finite(value: f64, path: &str) -> Result<f64, SceneError> {
-    check(value, value.is_finite(), path, "give a finite number")
+    check(value, value.is_finite(), path, "give a finite number")?;
+    check(value, value.abs() <= MOST, path, UNITS)
 }
 
-/// Refuses what is not a positive finite number.
+/// Refuses what is not a positive finite number, or too large or small to compute with.
 pub(crate) fn positive(value: f64, path: &str) -> Result<f64, SceneError> {
-    check(value, value.is_finite() && value > 0.0, path, "give a positive finite number")
+    check(value, value.is_finite() && value > 0.0, path, "give a positive finite number")?;
+    check(value, (LEAST..=MOST).contains(&value), path, UNITS)
 }
 
-/// Refuses what is not a finite number of zero or more.
+/// Refuses what is neither zero nor a positive number to compute with.
 pub(crate) fn non_negative(value: f64, path: &str) -> Result<f64, SceneError> {
-    check(value, value.is_finite() && value >= 0.0, path, "give a finite number of 0 or more")
+    let good = value.is_finite() && value >= 0.0;
+    check(value, good, path, "give a finite number of 0 or more")?;
+    check(value, value == 0.0 || (LEAST..=MOST).contains(&value), path, UNITS)
 }
 
 /// Refuses what is not in [0, 1].
 pub(crate) fn unit_interval(value: f64, path: &str) -> Result<f64, SceneError> {
     check(value, (0.0..=1.0).contains(&value), path, "give a number from 0 to 1")
+}
+
+/// Refuses a mass from density and shapes that is too large or small to compute with.
+pub(crate) fn derived(mass: f64, path: &str) -> Result<f64, SceneError> {
+    if (LEAST..=MOST).contains(&mass) {
+        return Ok(mass);
+    }
+    Err(SceneError::DerivedMass { path: path.into(), mass })
 }
 
 fn check(value: f64, good: bool, path: &str, expected: &'static str) -> Result<f64, SceneError> {
@@ -39,9 +60,17 @@ pub(crate) fn finite_point(p: [f64; 2], path: &str) -> Result<Vector2<f64>, Scen
     Ok(Vector2::from(p))
 }
 
-/// The names of one kind of thing, in order.
+/// Longer names are refused: every message would repeat them.
+const LONGEST_NAME: usize = 200;
+/// How many names a message lists.
+const LISTED: usize = 12;
+
+/// The names of one kind of thing.
 pub(crate) struct Names {
-    names: Vec<String>,
+    /// Index by name.
+    index: BTreeMap<String, usize>,
+    /// The first names, for messages.
+    known: String,
     what: &'static str,
 }
 
@@ -59,36 +88,52 @@ impl Names {
     }
 
     fn new<'a>(
-        given: impl Iterator<Item = &'a String>,
+        given: impl Iterator<Item = &'a String> + Clone,
         list: &str,
         what: &'static str,
     ) -> Result<Self, SceneError> {
-        let mut names: Vec<String> = Vec::new();
-        for (i, name) in given.enumerate() {
-            let bad = |reason| {
-                let path = format!("{list}[{i}].name");
-                Err(SceneError::BadName { path, name: name.clone(), reason })
-            };
-            if name.is_empty() {
-                return bad("give it a name");
+        let mut index = BTreeMap::new();
+        for (i, name) in given.clone().enumerate() {
+            let taken = index.contains_key(name);
+            if let Some(reason) = objection(name, taken) {
+                let (path, name) = (format!("{list}[{i}].name"), shortened(name));
+                return Err(SceneError::BadName { path, name, reason });
             }
-            if name == WORLD {
-                return bad("this name stands for the immovable world; choose another");
-            }
-            if names.contains(name) {
-                return bad("this name is taken; choose another");
-            }
-            names.push(name.clone());
+            index.insert(name.clone(), i);
         }
-        Ok(Self { names, what })
+        let mut known: Vec<&str> = given.take(LISTED).map(String::as_str).collect();
+        let more = format!("and {} more", index.len().saturating_sub(LISTED));
+        if index.len() > LISTED {
+            known.push(&more);
+        }
+        Ok(Self { known: known.join(", "), index, what })
     }
 
     pub(crate) fn find(&self, name: &str, path: &str) -> Result<usize, SceneError> {
-        self.names.iter().position(|n| n == name).ok_or_else(|| SceneError::UnknownName {
+        self.index.get(name).copied().ok_or_else(|| SceneError::UnknownName {
             path: path.into(),
-            name: name.into(),
+            name: shortened(name),
             what: self.what,
-            known: self.names.join(", "),
+            known: if self.known.is_empty() { "none".into() } else { self.known.clone() },
         })
     }
+}
+
+/// Why a name cannot be used.
+fn objection(name: &str, taken: bool) -> Option<&'static str> {
+    match name {
+        "" => Some("give it a name"),
+        WORLD => Some("this name stands for the immovable world; choose another"),
+        _ if taken => Some("this name is taken; choose another"),
+        _ if name.len() > LONGEST_NAME => Some("this name is longer than 200 bytes; shorten it"),
+        _ => None,
+    }
+}
+
+/// A name as messages quote it.
+fn shortened(name: &str) -> String {
+    if name.len() <= LONGEST_NAME {
+        return name.into();
+    }
+    name.chars().take(40).chain(['…']).collect()
 }

@@ -3,7 +3,9 @@
 use nalgebra::{Vector2, Vector3};
 use tangency_collision::{Collider, MassProperties, Pose, Shape, pose};
 
-use crate::compile::{conflict, finite, finite_point, non_negative, positive, unit_interval};
+use crate::compile::{
+    conflict, derived, finite, finite_point, non_negative, positive, unit_interval,
+};
 use crate::model::Body;
 use crate::{BodyDef, BodyKind, SceneError};
 
@@ -88,7 +90,7 @@ fn mass_of(
             return conflict(format!("{path}.density"), "give either mass or density, not both");
         }
         (Some(mass), None, _) => mass,
-        (None, density, Some(p)) => density.unwrap_or(1.0) * p.area,
+        (None, density, Some(p)) => derived(density.unwrap_or(1.0) * p.area, path)?,
         (None, _, None) => return conflict(path.into(), "a body without shapes needs `mass`"),
     };
     let inertia = match (def.inertia, properties) {

@@ -10,13 +10,24 @@ pub(crate) fn compile_force(
     def: &ForceDef,
     path: &str,
     names: &Names,
+    scene: &Scene,
 ) -> Result<Force, SceneError> {
     let body = names.find(&def.body, &format!("{path}.body"))?;
+    if !scene.is_dynamic(body) {
+        return conflict(format!("{path}.body"), "a force moves dynamic bodies only");
+    }
     let force = finite_point(def.force, &format!("{path}.force"))?;
     finite(def.torque, &format!("{path}.torque"))?;
     let start = def.start.unwrap_or(f64::NEG_INFINITY);
     let end = def.end.unwrap_or(f64::INFINITY);
-    if start.is_nan() || end.is_nan() || start > end {
+    for (time, field) in [(def.start, "start"), (def.end, "end")] {
+        if let Some(value) = time.filter(|time| !time.is_finite()) {
+            let (path, expected) =
+                (format!("{path}.{field}"), "give a finite time, or leave it out");
+            return Err(SceneError::Value { path, value, expected });
+        }
+    }
+    if start > end {
         let expected = "give an end that is not before the start";
         return Err(SceneError::Value { path: format!("{path}.end"), value: end, expected });
     }
@@ -74,5 +85,5 @@ pub(crate) fn compile_pair(def: &PairDef, path: &str, names: &Names) -> Result<P
         unit_interval(e, &format!("{path}.restitution"))?;
     }
     let (collide, friction, restitution) = (def.collide, def.friction, def.restitution);
-    Ok(Pair { bodies: [a, b], collide, friction, restitution })
+    Ok(Pair { bodies: [a.min(b), a.max(b)], collide, friction, restitution })
 }

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use tangency_collision::{Pose, pose};
 
-use crate::compile::{Names, conflict, finite, finite_point, non_negative, positive};
+use crate::compile::{LEAST, Names, conflict, finite, finite_point, non_negative, positive};
 use crate::joint::WORLD;
 use crate::measure::Measure;
 use crate::model::{Joint, JointRow};
@@ -167,7 +167,7 @@ impl JointCompiler<'_> {
     ) -> Result<(Vector2<f64>, [JointRow; 2]), SceneError> {
         let p = self.point(anchor, &format!("kind.{kind}.anchor"))?;
         let axis = self.point(axis, &format!("kind.{kind}.axis"))?;
-        let Some(axis) = axis.try_normalize(0.0) else {
+        let Some(axis) = axis.try_normalize(LEAST) else {
             return conflict(self.at(&format!("kind.{kind}.axis")), "an axis needs a direction");
         };
         let along = pose::local_direction(&self.poses[0], &axis);
@@ -185,7 +185,7 @@ impl JointCompiler<'_> {
         let a = self.point(anchor_a, &format!("kind.{kind}.anchor_a"))?;
         let b = self.point(anchor_b, &format!("kind.{kind}.anchor_b"))?;
         let distance = (b - a).norm();
-        if distance == 0.0 {
+        if distance < LEAST {
             let reason = "the anchors coincide, so their distance has no direction; \
                           use a (soft) revolute joint";
             return conflict(self.at(&format!("kind.{kind}.anchor_b")), reason);

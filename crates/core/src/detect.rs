@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use tangency_collision::{Contact, Placed, contacts};
 
+use crate::compile::LEAST;
 use crate::row::{RowContext, RowSource};
 use crate::scene::Scene;
 use crate::{ContactModel, State, StepError};
@@ -35,17 +36,31 @@ pub(crate) fn reach(scene: &Scene, v: &[Vector3<f64>], momentum: &[Vector3<f64>]
 /// Contacts that the step must know of, in the order of their ids.
 ///
 /// # Errors
-/// [`StepError::Collision`] where geometry has no answer (coincident centres).
+/// [`StepError::Collision`] or [`StepError::CoincidentAnchors`] where geometry has no answer
+/// (coincident centres, a distance of zero).
 pub(crate) fn detect(
     scene: &Scene,
     state: &State,
     reach: Reach,
 ) -> Result<Vec<Contact>, StepError> {
+    check_lengths(scene, state)?;
     let reach = match scene.def.contact_model {
         ContactModel::Gap => reach.linear,
         ContactModel::Velocity { contact_distance } => contact_distance,
     };
     contacts_within(scene, state, reach)
+}
+
+/// Refuses distances of zero, which have no direction.
+fn check_lengths(scene: &Scene, state: &State) -> Result<(), StepError> {
+    let distance = |index: usize| {
+        let [a, b] = scene.joint_anchors(index, state);
+        (b - a).norm()
+    };
+    let collapsed = |index: &usize| scene.joints[*index].holds_length() && distance(*index) < LEAST;
+    let Some(index) = (0..scene.joints.len()).find(collapsed) else { return Ok(()) };
+    let (time, joint) = (state.time, scene.joints[index].name.clone());
+    Err(StepError::CoincidentAnchors { time, joint })
 }
 
 /// Contacts with a gap of at most `reach`.

@@ -3,13 +3,19 @@
 use tangency_collision::{CollisionError, ShapeError};
 use tangency_lcp::LcpError;
 
+/// A number without rows of zeros.
+fn number(value: f64) -> String {
+    let plain = value == 0.0 || !value.is_finite() || (1e-6..1e12).contains(&value.abs());
+    if plain { value.to_string() } else { format!("{value:e}") }
+}
+
 /// A scene that cannot be built. Every variant knows the path of the field that is wrong, as in
 /// `bodies[2].mass`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// A number is out of its range.
-    #[error("{path} is {value}: {expected}")]
+    #[error("{path} is {}: {expected}", number(*value))]
     Value {
         /// The field.
         path: String,
@@ -17,6 +23,17 @@ pub enum SceneError {
         value: f64,
         /// What it must be.
         expected: &'static str,
+    },
+    /// A mass that follows from density and shapes, and is out of range.
+    #[error(
+        "{path}: density and shapes make a mass of {mass:.1e} kg; from 1e-50 to 1e50 can be computed \
+         with, give `mass`"
+    )]
+    DerivedMass {
+        /// The body.
+        path: String,
+        /// The mass, kg.
+        mass: f64,
     },
     /// A name that nothing has.
     #[error("{path} names {name:?}, which is not {what}; known: {known}")]
@@ -64,6 +81,7 @@ impl SceneError {
     pub fn path(&self) -> &str {
         match self {
             Self::Value { path, .. }
+            | Self::DerivedMass { path, .. }
             | Self::UnknownName { path, .. }
             | Self::BadName { path, .. }
             | Self::Shape { path, .. }
@@ -99,6 +117,23 @@ pub enum StepError {
         what: &'static str,
         /// Which one.
         index: usize,
+    },
+    /// The state's time is not a number, or infinite.
+    #[error("the time of the state is {time}; give a finite number of seconds")]
+    TimeNotFinite {
+        /// The time.
+        time: f64,
+    },
+    /// A distance joint or spring whose anchors have met.
+    #[error(
+        "at time {time}: the anchors of joint {joint} coincide, so that their distance has no \
+         direction; move one of its bodies or use a (soft) revolute joint"
+    )]
+    CoincidentAnchors {
+        /// Time at the start of the step, s.
+        time: f64,
+        /// The joint's name.
+        joint: String,
     },
     /// Contact detection failed.
     #[error("at time {time}: {source}")]

@@ -48,8 +48,9 @@ pub struct Inspection {
 /// What the next step from `state` would model, with all controls zero.
 ///
 /// # Errors
-/// A [`StepError`] where geometry has no answer.
+/// A [`StepError`] where the state does not fit the scene or geometry has no answer.
 pub fn inspect(scene: &Scene, state: &State) -> Result<Inspection, StepError> {
+    state.check(scene.bodies.len())?;
     let control = vec![0.0; scene.controls.len()];
     let setup = set_up(scene, state, &control)?;
     let name = |body: usize| scene.bodies[body].name.clone();
@@ -145,6 +146,7 @@ impl Scene {
     /// # Errors
     /// A [`StepError`] where geometry has no answer.
     pub fn penetration(&self, state: &State) -> Result<f64, StepError> {
+        state.check(self.bodies.len())?;
         let contacts = contacts_within(self, state, 0.0)?;
         Ok(contacts.iter().map(|c| -c.gap).fold(0.0, f64::max))
     }

@@ -97,6 +97,7 @@ pub enum Control {
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pair {
+    /// Lower index first.
     pub(crate) bodies: [usize; 2],
     pub(crate) collide: Option<bool>,
     pub(crate) friction: Option<f64>,

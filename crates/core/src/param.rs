@@ -1,10 +1,10 @@
 //! The numbers of a scene that may be read, changed, and differentiated by.
 
 use serde::{Deserialize, Serialize};
-use tangency_collision::{Collider, Shape};
+use tangency_collision::{Collider, Shape, ShapeError};
 
-use crate::compile::{finite, non_negative, positive, unit_interval};
-use crate::{Scene, SceneError};
+use crate::compile::{conflict, derived, finite, non_negative, positive, unit_interval};
+use crate::{BodyKind, Scene, SceneError};
 
 /// One number of a scene. Bodies, joints and forces by index; axes 0, 1, 2 are x, y, angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -110,19 +110,41 @@ impl Scene {
             Param::Restitution(_) => unit_interval(value, &path)?,
             _ => finite(value, &path)?,
         };
-        self.write(param, value);
-        Ok(())
+        self.check_fits(param, value, &path)?;
+        self.write(param, value).map_err(|source| SceneError::Shape { path, source })
     }
 
-    /// Writes a number that is known to exist and to be in range.
-    fn write(&mut self, param: Param, value: f64) {
+    /// Refuses a number in range that contradicts others of the scene.
+    fn check_fits(&self, param: Param, value: f64, path: &str) -> Result<(), SceneError> {
+        let limits = |j: usize| self.joints[j].limits;
+        let refuse = |expected| {
+            let path = path.into();
+            Err(SceneError::Value { path, value, expected })
+        };
+        match param {
+            Param::Density(i) => derived(value * self.bodies[i].area, path).map(drop),
+            Param::Lower(j) if limits(j).upper.is_some_and(|upper| value > upper) => {
+                refuse("give a lower limit that is not above the upper one")
+            }
+            Param::Upper(j) if limits(j).lower.is_some_and(|lower| value < lower) => {
+                refuse("give an upper limit that is not below the lower one")
+            }
+            Param::Velocity(i, _) if self.bodies[i].kind == BodyKind::Static && value != 0.0 => {
+                conflict(path.into(), "a static body cannot move; make it kinematic")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes a number that is known to exist and to be in range; a radius may not fit its shape.
+    fn write(&mut self, param: Param, value: f64) -> Result<(), ShapeError> {
         match param {
             Param::Mass(i) => self.write_mass(i, value),
             Param::Density(i) => self.write_mass(i, value * self.bodies[i].area),
             Param::Inertia(i) => self.bodies[i].mass.z = value,
             Param::Friction(i) => self.bodies[i].friction = value,
             Param::Restitution(i) => self.bodies[i].restitution = value,
-            Param::Radius(i, k) => self.write_radius(i, k, value),
+            Param::Radius(i, k) => return self.write_radius(i, k, value),
             Param::Position(i, axis) => self.initial.q[i][axis] = value,
             Param::Velocity(i, axis) => self.initial.v[i][axis] = value,
             Param::Gravity(axis) => self.gravity[axis] = value,
@@ -140,6 +162,7 @@ impl Scene {
             Param::Upper(j) => self.joints[j].limits.upper = Some(value),
             Param::Force(f, axis) => self.forces[f].wrench[axis] = value,
         }
+        Ok(())
     }
 
     fn write_mass(&mut self, i: usize, mass: f64) {
@@ -151,20 +174,26 @@ impl Scene {
         body.mass.y = mass;
     }
 
-    fn write_radius(&mut self, i: usize, k: usize, value: f64) {
+    fn write_radius(&mut self, i: usize, k: usize, value: f64) -> Result<(), ShapeError> {
         let mut shapes = self.colliders[i].shapes().to_vec();
         if let Shape::Circle { radius, .. } | Shape::Capsule { radius, .. } = &mut shapes[k] {
             *radius = value;
         }
-        self.colliders[i] = Collider::new(&shapes).expect("a positive radius keeps a shape valid");
+        self.colliders[i] = Collider::new(&shapes)?;
+        Ok(())
     }
 
     fn dynamic(&self, i: usize) -> Option<&crate::Body> {
-        self.bodies.get(i).filter(|b| b.kind == crate::BodyKind::Dynamic)
+        self.bodies.get(i).filter(|b| b.kind == BodyKind::Dynamic)
     }
 }
 
 impl crate::Joint {
+    /// Whether it holds a distance.
+    pub(crate) fn holds_length(&self) -> bool {
+        self.length_row().is_some()
+    }
+
     /// The row whose reference is a length.
     fn length_row(&self) -> Option<&crate::JointRow> {
         self.held.first().filter(|row| row.measure == crate::measure::Measure::Length)

@@ -55,7 +55,7 @@ pub fn rollout(
     mut control: impl FnMut(usize, &State) -> Vec<f64>,
 ) -> Result<Rollout, StepError> {
     let mut scratch = StepScratch::default();
-    let mut run = Rollout { initial, records: Vec::with_capacity(steps) };
+    let mut run = Rollout { initial, records: Vec::new() };
     for k in 0..steps {
         let state = run.state(k);
         let record = step(scene, solver, state, &control(k, state), &mut scratch)?;

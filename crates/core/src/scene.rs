@@ -1,11 +1,11 @@
 //! A scene: checked, compiled, and constant during a rollout.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Vector2, Vector3};
 use tangency_collision::{Collider, pose};
 
-use crate::compile::{Names, finite, positive};
+use crate::compile::{Names, conflict, finite, positive};
 use crate::compile_body::compile_body;
 use crate::compile_input::{compile_control, compile_force, compile_pair};
 use crate::compile_joint::compile_joint;
@@ -25,7 +25,8 @@ pub struct Scene {
     pub(crate) joints: Vec<Joint>,
     pub(crate) forces: Vec<Force>,
     pub(crate) controls: Vec<Control>,
-    pub(crate) pairs: Vec<Pair>,
+    /// What pairs of bodies (lower index first) do differently.
+    pub(crate) pairs: BTreeMap<[usize; 2], Pair>,
     /// Bodies (lower index first) whose joint keeps them from colliding.
     pub(crate) jointed: BTreeSet<[usize; 2]>,
     pub(crate) initial: State,
@@ -48,7 +49,7 @@ impl Scene {
             joints: Vec::new(),
             forces: Vec::new(),
             controls: Vec::new(),
-            pairs: Vec::new(),
+            pairs: BTreeMap::new(),
             jointed: BTreeSet::new(),
             initial: State::default(),
         };
@@ -68,7 +69,7 @@ impl Scene {
             scene.joints.push(compiled);
         }
         for (i, force) in def.forces.iter().enumerate() {
-            scene.forces.push(compile_force(force, &format!("forces[{i}]"), &names)?);
+            scene.forces.push(compile_force(force, &format!("forces[{i}]"), &names, &scene)?);
         }
         Names::check_controls(&def.controls)?;
         for (i, control) in def.controls.iter().enumerate() {
@@ -76,7 +77,11 @@ impl Scene {
             scene.controls.push(compile_control(control, &path, &names, &joint_names, &scene)?);
         }
         for (i, pair) in def.pairs.iter().enumerate() {
-            scene.pairs.push(compile_pair(pair, &format!("pairs[{i}]"), &names)?);
+            let path = format!("pairs[{i}]");
+            let pair = compile_pair(pair, &path, &names)?;
+            if scene.pairs.insert(pair.bodies, pair).is_some() {
+                return conflict(format!("{path}.bodies"), "this pair is given twice; merge both");
+            }
         }
         Ok(scene)
     }
@@ -217,7 +222,7 @@ impl Scene {
     }
 
     fn pair(&self, a: usize, b: usize) -> Option<&Pair> {
-        self.pairs.iter().find(|p| p.bodies == [a, b] || p.bodies == [b, a])
+        self.pairs.get(&[a.min(b), a.max(b)])
     }
 
     /// Pose of a joint's body in `q`; the world's is zero.
@@ -247,6 +252,11 @@ fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
     positive(def.recovery_speed, "recovery_speed")?;
     positive(def.recovery_rate, "recovery_rate")?;
     positive(def.tolerance, "tolerance")?;
+    if def.tolerance >= 1.0 {
+        let (path, value) = ("tolerance".into(), def.tolerance);
+        let expected = "a residual of 1 is no solution; give 1e-10 or so";
+        return Err(SceneError::Value { path, value, expected });
+    }
     if let ContactModel::Velocity { contact_distance } = def.contact_model {
         positive(contact_distance, "contact_model.velocity.contact_distance")?;
     }

@@ -17,6 +17,22 @@ pub enum DiffError {
         /// Why.
         source: LcpDiffError,
     },
+    /// A vector or a rollout does not fit the scene.
+    #[error("{what} has {found} entries, expected {expected}; make it for this scene and rollout")]
+    Size {
+        /// The vector.
+        what: &'static str,
+        /// Expected length.
+        expected: usize,
+        /// Length found.
+        found: usize,
+    },
+    /// A number that was given, or that came out, is NaN or infinite.
+    #[error("{what} is not finite; look for a division by zero in the loss, or for an overflow")]
+    NotFinite {
+        /// The vector.
+        what: &'static str,
+    },
 }
 
 impl DiffError {
@@ -24,6 +40,7 @@ impl DiffError {
     pub(crate) fn at(self, step: usize) -> Self {
         match self {
             Self::Lcp(source) | Self::Step { source, .. } => Self::Step { step, source },
+            other => other,
         }
     }
 }

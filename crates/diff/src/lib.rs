@@ -21,6 +21,7 @@ mod vector;
 mod error;
 mod report;
 mod rollout;
+mod sizes;
 mod step;
 // and names for parameters.
 mod parameter;

@@ -134,12 +134,18 @@ impl Parameter {
         scene.get(param).expect("the parameter was made for this scene") / scale
     }
 
-    /// Sets all targets.
+    /// Sets all targets, or none.
     ///
     /// # Errors
-    /// [`SceneError`] where the value is out of range.
+    /// [`SceneError`] where the value is out of range; the scene is then as it was.
     pub fn set(&self, scene: &mut Scene, value: f64) -> Result<(), SceneError> {
-        self.targets.iter().try_for_each(|(param, scale)| scene.set(*param, scale * value))
+        if let [(param, scale)] = self.targets[..] {
+            return scene.set(param, scale * value);
+        }
+        let mut changed = scene.clone();
+        self.targets.iter().try_for_each(|(param, scale)| changed.set(*param, scale * value))?;
+        *scene = changed;
+        Ok(())
     }
 
     /// ∂L/∂value from the gradient by everything.

@@ -4,6 +4,7 @@ use tangency_core::{Rollout, Scene, State};
 
 use crate::error::DiffError;
 use crate::report::GradientReport;
+use crate::sizes;
 use crate::step::{step_jvp, step_vjp};
 use crate::vector::{Direction, RolloutVector, StateVector};
 
@@ -16,22 +17,27 @@ pub struct Gradient {
     pub report: GradientReport,
 }
 
+const SEED: &str = "the seed of a state";
+
 /// Reverse mode over a rollout. `seed(k, state)` gives ∂L/∂(state k), k = 0 for the initial one;
 /// `None` where the loss does not see that state.
 ///
 /// The cost does not depend on the number of parameters.
 ///
 /// # Errors
-/// [`DiffError`] with the step at which the adjoint could not be taken.
+/// [`DiffError`] with the step at which the adjoint could not be taken, or where the rollout or a
+/// seed does not fit the scene or is not finite.
 pub fn gradient(
     scene: &Scene,
     rollout: &Rollout,
     mut seed: impl FnMut(usize, &State) -> Option<StateVector>,
 ) -> Result<Gradient, DiffError> {
+    sizes::rollout(scene, rollout)?;
     let steps = rollout.records.len();
     let mut by = RolloutVector::zeros(scene, steps);
     let mut report = GradientReport::default();
     let mut bar = seed(steps, rollout.last()).unwrap_or_else(|| StateVector::like(rollout.last()));
+    sizes::state_vector(SEED, scene, &bar)?;
     for k in (0..steps).rev() {
         let (before, record) = (rollout.state(k), &rollout.records[k]);
         report.begin(k);
@@ -39,9 +45,11 @@ pub fn gradient(
         bar = step_vjp(scene, before, record, &bar, control, &mut by.scene, &mut report)
             .map_err(|source| source.at(k))?;
         if let Some(more) = seed(k, before) {
+            sizes::state_vector(SEED, scene, &more)?;
             bar.add(&more);
         }
     }
+    sizes::scene_vector("the gradient by the scene", scene, &by.scene)?;
     by.initial = bar;
     report.end();
     Ok(Gradient { by, report })
@@ -56,6 +64,8 @@ pub fn tangent(
     rollout: &Rollout,
     along: &RolloutVector,
 ) -> Result<Vec<StateVector>, DiffError> {
+    sizes::rollout(scene, rollout)?;
+    sizes::steps(along, rollout.records.len())?;
     let mut changes = vec![along.initial.clone()];
     for (k, record) in rollout.records.iter().enumerate() {
         let (state, control) = (&changes[k], along.controls[k].as_slice());

@@ -15,13 +15,14 @@ use crate::error::DiffError;
 use crate::lcp::{lcp_jvp, lcp_vjp};
 use crate::report::GradientReport;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
-use crate::{island, momentum};
+use crate::{island, momentum, sizes};
 
 /// Pulls `after_bar` = ∂L/∂(state after the step) back: returns ∂L/∂(state before), and adds to
 /// `control` (one number per channel), `out` and `report`.
 ///
 /// # Errors
-/// [`DiffError`] where an island's adjoint system cannot be solved.
+/// [`DiffError`] where an island's adjoint system cannot be solved, or where vectors do not fit the
+/// scene or are not finite.
 pub fn step_vjp(
     scene: &Scene,
     before: &State,
@@ -31,6 +32,8 @@ pub fn step_vjp(
     out: &mut SceneVector,
     report: &mut GradientReport,
 ) -> Result<StateVector, DiffError> {
+    sizes::state_vector("the gradient by a state", scene, after_bar)?;
+    sizes::length("the gradient by a control", scene.controls().len(), control.len())?;
     let mut bars = Bars { state: after_bar.clone(), control, scene: out };
     if let Some(post) = &record.post {
         post_vjp(scene, record, post, &mut bars, report)?;
@@ -60,6 +63,8 @@ pub fn step_vjp(
     }
     contacts.pull_back(&context, &mut bars);
     momentum::vjp(&context, before.time, &p_bar, &mut bars);
+    sizes::state_vector("the gradient by a state", scene, &bars.state)?;
+    sizes::finite("the gradient by a control", bars.control.iter().all(|u| u.is_finite()))?;
     Ok(bars.state)
 }
 
@@ -73,6 +78,7 @@ pub fn step_jvp(
     record: &StepRecord,
     along: &Direction<'_>,
 ) -> Result<StateVector, DiffError> {
+    sizes::direction(scene, along)?;
     let context = velocity_context(scene, before, record);
     let dp = momentum::jvp(&context, before.time, along);
     let mut d_after = along.state.clone();
@@ -95,6 +101,7 @@ pub fn step_jvp(
     if let Some(post) = &record.post {
         post_jvp(scene, record, post, &mut d_after, along.scene)?;
     }
+    sizes::state_vector("the change of a state", scene, &d_after)?;
     Ok(d_after)
 }
 

@@ -149,6 +149,9 @@ impl Lu {
         for k in 0..n {
             let below = (k + matrix.lower + 1).min(n);
             let pivot = pivot_row(&matrix, k, below);
+            // A row without entries may have moved down past its own end.
+            last[k] = last[k].max(k as u32 + 1);
+            last[pivot] = last[pivot].max(k as u32 + 1);
             exchanged[k] = pivot as u32;
             if pivot != k {
                 let end = last[k].max(last[pivot]) as usize;

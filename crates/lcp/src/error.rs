@@ -4,6 +4,12 @@ use std::error::Error;
 
 use thiserror::Error;
 
+/// A number without rows of zeros.
+fn number(value: f64) -> String {
+    let plain = value == 0.0 || (1e-6..1e12).contains(&value.abs());
+    if plain { value.to_string() } else { format!("{value:e}") }
+}
+
 /// Causes, each with its numbers.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -16,8 +22,8 @@ pub enum LcpError {
         /// Index of the body or row.
         index: usize,
     },
-    /// A number that must be positive (or not negative) is not.
-    #[error("{what} of item {index} is {value}, which is out of range")]
+    /// A number that must be positive (or not negative) is not, or is not from 1e-150 to 1e150.
+    #[error("{what} of item {index} is {}, which is out of range", number(*value))]
     OutOfRange {
         /// Field, for instance `row.law.mu`.
         what: &'static str,

@@ -20,12 +20,14 @@ impl Lcp {
 /// Solves a problem that has equality rows only, or none (closed form v = M⁻¹ p).
 ///
 /// # Errors
-/// [`LcpError::Infeasible`] if dependent equations contradict each other.
+/// [`LcpError::Infeasible`] if dependent equations contradict each other, and a refusal of wrong
+/// sizes and numbers that are not finite.
 ///
 /// # Panics
 /// If a row is not an equality.
 pub fn solve_linear(problem: &Lcp) -> Result<LcpSolution, LcpError> {
     assert!(problem.is_linear(), "solve_linear takes equality rows only");
+    problem.validate()?;
     if problem.rows.is_empty() {
         return Ok(LcpSolution { velocities: problem.free_velocities(), ..LcpSolution::default() });
     }

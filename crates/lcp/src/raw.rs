@@ -22,6 +22,9 @@ pub use friction::RawFriction;
 pub use polish::RawPolish;
 pub use solver::RawSolver;
 
+/// Greatest residual that counts as solved.
+const ACCEPTANCE: f64 = 1e-10;
+
 /// The problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RawLcp {

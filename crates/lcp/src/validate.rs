@@ -1,9 +1,11 @@
 //! What a problem must be before a solver sees it.
 
+use std::ops::RangeInclusive;
+
 use crate::{Law, Lcp, LcpError, NO_BODY, Row};
 
 impl Lcp {
-    /// Checks sizes, indices, signs and finiteness.
+    /// Checks sizes, indices, signs, finiteness, and that squares do not over- or underflow.
     ///
     /// # Errors
     /// The first offence, with the item and field.
@@ -15,7 +17,7 @@ impl Lcp {
         for (index, (mass, momentum)) in self.mass.iter().zip(&self.momentum).enumerate() {
             for &value in mass {
                 finite("mass", index, value)?;
-                in_range("mass", index, value, value > 0.0)?;
+                in_range("mass", index, value, SIZES.contains(&value))?;
             }
             momentum.iter().try_for_each(|&value| finite("momentum", index, value))?;
         }
@@ -32,11 +34,11 @@ impl Lcp {
             Law::Equality | Law::Unilateral => Ok(()),
             Law::Bounded { max } => {
                 finite("row.law.max", index, max)?;
-                in_range("row.law.max", index, max, max > 0.0)
+                in_range("row.law.max", index, max, max >= *SIZES.start())
             }
             Law::Friction { normal, mu } => {
                 finite("row.law.mu", index, mu)?;
-                in_range("row.law.mu", index, mu, mu > 0.0)?;
+                in_range("row.law.mu", index, mu, mu >= *SIZES.start())?;
                 self.validate_normal(index, normal as usize)
             }
         }
@@ -72,8 +74,16 @@ impl Lcp {
     }
 }
 
-fn finite(what: &'static str, index: usize, value: f64) -> Result<(), LcpError> {
-    if value.is_finite() { Ok(()) } else { Err(LcpError::NotFinite { what, index }) }
+/// Numbers outside this range are refused: their squares, which every residual needs, over- or
+/// underflow.
+pub(crate) const SIZES: RangeInclusive<f64> = 1e-150..=1e150;
+
+/// Refuses what is not finite, or too large to compute with.
+pub(crate) fn finite(what: &'static str, index: usize, value: f64) -> Result<(), LcpError> {
+    if !value.is_finite() {
+        return Err(LcpError::NotFinite { what, index });
+    }
+    in_range(what, index, value, value.abs() <= *SIZES.end())
 }
 
 fn in_range(what: &'static str, index: usize, value: f64, valid: bool) -> Result<(), LcpError> {

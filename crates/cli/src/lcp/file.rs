@@ -16,10 +16,13 @@ use nalgebra::{DMatrix, DVector};
 use serde::Deserialize;
 use tangency::lcp::{LcpError, RawFriction, RawLcp, RawSolution, RawSolver};
 
-use super::matrix_market::read_matrix;
+use super::matrix_market::matrix_of;
 
 /// Dense matrices larger than this are refused.
 pub(super) const MOST_UNKNOWNS: usize = 4000;
+
+/// Of what was found this many characters are quoted.
+const QUOTED: usize = 100;
 
 /// Why a file is no problem.
 #[derive(Debug, thiserror::Error)]
@@ -32,6 +35,14 @@ pub enum LcpFileError {
         file: PathBuf,
         /// What the system says.
         source: io::Error,
+    },
+    /// The bytes are no text.
+    #[error("{}: the byte at offset {offset} is not UTF-8; save the file as UTF-8", file.display())]
+    NotUtf8 {
+        /// The file.
+        file: PathBuf,
+        /// How many bytes before it are text.
+        offset: usize,
     },
     /// The file is not JSON, or a field is missing or of another type.
     #[error("{}: {source}; see `tests/data/lcp-problems/README.md` for the format", file.display())]
@@ -102,55 +113,62 @@ pub fn read_problem(
     free: Option<usize>,
 ) -> Result<Problem, LcpFileError> {
     let at = At { file };
-    let problem = if file.extension().is_some_and(|extension| extension == "mtx") {
-        let Some(q) = q else {
-            let remedy = "give the vector q as `--q FILE.mtx`";
-            return Err(at.field("q", "not given", remedy));
-        };
-        let (matrix, q) = (read_matrix(file)?, column(q)?);
-        Problem::Lcp(RawLcp { free: free.unwrap_or(0), matrix, q })
-    } else {
+    if file.extension().is_none_or(|extension| extension != "mtx") {
         if q.is_some() {
             return Err(at.field("q", "given twice", "leave `--q` to Matrix Market files"));
         }
-        from_json(&at, free)?
+        return parse_json(file, &at.text()?, free);
+    }
+    let Some(q) = q else {
+        let remedy = "give the vector q as `--q FILE.mtx`";
+        return Err(at.field("q", "not given", remedy));
     };
-    let valid = match &problem {
-        Problem::Lcp(problem) => problem.validate(),
-        Problem::Friction(problem) => problem.validate(),
-    };
-    valid.map_err(|source| LcpFileError::Problem { file: file.to_owned(), source })?;
-    Ok(problem)
+    parse_matrix_market([file, q], [&at.text()?, &At { file: q }.text()?], free)
 }
 
-fn from_json(at: &At<'_>, free: Option<usize>) -> Result<Problem, LcpFileError> {
-    let json = serde_json::from_str(&at.text()?)
-        .map_err(|source| LcpFileError::Json { file: at.file.to_owned(), source })?;
-    match json {
+/// Reads a problem from the text of a JSON file.
+///
+/// # Errors
+/// As [`read_problem`].
+pub fn parse_json(file: &Path, text: &str, free: Option<usize>) -> Result<Problem, LcpFileError> {
+    let at = At { file };
+    let json = serde_json::from_str(text)
+        .map_err(|source| LcpFileError::Json { file: file.to_owned(), source })?;
+    let problem = match json {
         Json::Lcp { matrix, q, free: leading } => {
             let matrix = at.square("M", &matrix, q.len())?;
             let free = free.unwrap_or(leading);
-            Ok(Problem::Lcp(RawLcp { free, matrix, q: DVector::from_vec(q) }))
+            Problem::Lcp(RawLcp { free, matrix, q: DVector::from_vec(q) })
         }
-        Json::Friction { .. } if free.is_some() => Err(at.field(
-            "--free",
-            "given",
-            "friction problems have no free unknowns; leave it out",
-        )),
+        Json::Friction { .. } if free.is_some() => {
+            let remedy = "friction problems have no free unknowns; leave it out";
+            return Err(at.field("--free", "given", remedy));
+        }
         Json::Friction { matrix, q, mu } => {
             let matrix = at.square("W", &matrix, q.len())?;
-            Ok(Problem::Friction(RawFriction { matrix, q: DVector::from_vec(q), mu }))
+            Problem::Friction(RawFriction { matrix, q: DVector::from_vec(q), mu })
         }
-    }
+    };
+    at.checked(problem)
 }
 
-fn column(file: &Path) -> Result<DVector<f64>, LcpFileError> {
-    let matrix = read_matrix(file)?;
-    if matrix.ncols() == 1 {
-        return Ok(matrix.column(0).into_owned());
+/// Reads a problem from the texts of two Matrix Market files: M and q.
+///
+/// # Errors
+/// As [`read_problem`].
+pub fn parse_matrix_market(
+    files: [&Path; 2],
+    texts: [&str; 2],
+    free: Option<usize>,
+) -> Result<Problem, LcpFileError> {
+    let [at, at_q] = files.map(|file| At { file });
+    let (matrix, q) = (matrix_of(&at, texts[0])?, matrix_of(&at_q, texts[1])?);
+    if q.ncols() != 1 {
+        let found = format!("{} columns", q.ncols());
+        return Err(at_q.field("q", &found, "give a matrix with one column"));
     }
-    let found = format!("{} columns", matrix.ncols());
-    Err(At { file }.field("q", &found, "give a matrix with one column"))
+    let q = q.column(0).into_owned();
+    at.checked(Problem::Lcp(RawLcp { free: free.unwrap_or(0), matrix, q }))
 }
 
 /// Errors know the file.
@@ -160,13 +178,33 @@ pub(super) struct At<'a> {
 
 impl At<'_> {
     pub(super) fn text(&self) -> Result<String, LcpFileError> {
-        std::fs::read_to_string(self.file)
-            .map_err(|source| LcpFileError::Read { file: self.file.to_owned(), source })
+        let file = || self.file.to_owned();
+        let bytes = std::fs::read(self.file)
+            .map_err(|source| LcpFileError::Read { file: file(), source })?;
+        let text = String::from_utf8(bytes).map_err(|error| LcpFileError::NotUtf8 {
+            file: file(),
+            offset: error.utf8_error().valid_up_to(),
+        })?;
+        // Some editors begin a file with a byte order mark.
+        Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+    }
+
+    fn checked(&self, problem: Problem) -> Result<Problem, LcpFileError> {
+        let valid = match &problem {
+            Problem::Lcp(problem) => problem.validate(),
+            Problem::Friction(problem) => problem.validate(),
+        };
+        valid.map_err(|source| LcpFileError::Problem { file: self.file.to_owned(), source })?;
+        Ok(problem)
     }
 
     pub(super) fn field(&self, field: &str, found: &str, remedy: &str) -> LcpFileError {
         let (file, field) = (self.file.to_owned(), field.to_owned());
-        LcpFileError::Field { file, field, found: found.to_owned(), remedy: remedy.to_owned() }
+        let mut quoted: String = found.chars().take(QUOTED).collect();
+        if quoted.len() < found.len() {
+            quoted.push_str(" …");
+        }
+        LcpFileError::Field { file, field, found: quoted, remedy: remedy.to_owned() }
     }
 
     fn square(
@@ -215,7 +253,9 @@ impl Problem {
     pub fn solve(&self, solver: &dyn RawSolver) -> Result<RawSolution, LcpError> {
         match self {
             Self::Lcp(problem) => solver.solve_raw(problem),
-            Self::Friction(problem) => solver.solve_friction(problem),
+            Self::Friction(problem) => {
+                problem.judged(solver.name(), solver.solve_friction(problem)?)
+            }
         }
     }
 

@@ -1,7 +1,5 @@
 //! Matrix Market files (Boisvert, Pozo & Remington 1996): real matrices, coordinate or array.
 
-use std::path::Path;
-
 use nalgebra::DMatrix;
 
 use super::file::{At, LcpFileError, MOST_UNKNOWNS};
@@ -14,20 +12,18 @@ struct Header {
     mirror: Option<f64>,
 }
 
-/// Reads a dense matrix.
+/// Reads a dense matrix from the text of a file.
 ///
 /// # Errors
 /// An [`LcpFileError`] that names file and line.
-pub(super) fn read_matrix(file: &Path) -> Result<DMatrix<f64>, LcpFileError> {
-    let at = At { file };
-    let text = at.text()?;
+pub(super) fn matrix_of(at: &At<'_>, text: &str) -> Result<DMatrix<f64>, LcpFileError> {
     let mut lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
-    let header = header(&at, lines.next().map_or("", |(_, line)| line))?;
+    let header = header(at, lines.next().map_or("", |(_, line)| line))?;
     let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('%'));
     let (line, size) = lines.next().ok_or_else(|| {
         at.field("size", "missing", "the first line after the comments is `rows columns [entries]`")
     })?;
-    let size: Vec<usize> = numbers(&at, line, size)?;
+    let size: Vec<usize> = numbers(at, line, size)?;
     let expected = if header.coordinate { 3 } else { 2 };
     if size.len() != expected {
         let found = format!("{} numbers", size.len());
@@ -37,19 +33,27 @@ pub(super) fn read_matrix(file: &Path) -> Result<DMatrix<f64>, LcpFileError> {
         let remedy = format!("matrices are dense here; at most {MOST_UNKNOWNS} rows and columns");
         return Err(at.field(&format!("line {line}"), "too large", &remedy));
     }
+    if header.mirror.is_some() && size[0] != size[1] {
+        let found = format!("{} rows, {} columns", size[0], size[1]);
+        return Err(at.field(&format!("line {line}"), &found, "a symmetric matrix is square"));
+    }
     let mut matrix = DMatrix::zeros(size[0], size[1]);
     let mut places = places(header, size[0], size[1]);
     let mut count = 0;
     for (line, text) in lines {
         let (i, j, value) = if header.coordinate {
-            coordinate(&at, line, text, &size)?
+            coordinate(at, line, text, &size)?
         } else {
-            let value = numbers(&at, line, text)?;
+            let value = numbers(at, line, text)?;
             let (Some((i, j)), [value]) = (places.next(), &value[..]) else {
                 return Err(at.field(&format!("line {line}"), text, "one number per entry"));
             };
             (i, j, *value)
         };
+        if i == j && header.mirror == Some(-1.0) {
+            let remedy = "the diagonal of a skew-symmetric matrix is zero; leave it out";
+            return Err(at.field(&format!("line {line}"), text, remedy));
+        }
         matrix[(i, j)] += value;
         if let Some(sign) = header.mirror.filter(|_| i != j) {
             matrix[(j, i)] += sign * value;

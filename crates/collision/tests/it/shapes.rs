@@ -113,7 +113,7 @@ fn refused_shapes() {
     );
     check_refused(
         Shape::HalfPlane { normal: [0.0; 2], offset: 0.0 },
-        "normal is [0, 0]; it must have a direction, give for example [0, 1]",
+        "normal is [0.0, 0.0]; it must have a direction, give for example [0, 1]",
     );
     let line = Shape::Polygon { points: vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0 + 1e-12]] };
     assert!(matches!(Collider::new(&[line]), Err(ShapeError::DegenerateHull { .. })));

@@ -15,8 +15,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{RawLcp, RawSolution};
+use super::{ACCEPTANCE, RawLcp, RawSolution};
 use crate::LcpError;
+use crate::validate::{SIZES, finite};
 
 /// The problem: k contacts, normal and tangent interleaved.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,7 +45,7 @@ struct Place {
 }
 
 impl RawFriction {
-    /// Checks sizes, signs and finiteness.
+    /// Checks sizes, signs, finiteness, and that squares do not over- or underflow.
     ///
     /// # Errors
     /// The first offence, with the entry.
@@ -60,15 +61,23 @@ impl RawFriction {
             }
         }
         for (index, &value) in self.mu.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(LcpError::NotFinite { what: "mu", index });
-            }
-            if value < 0.0 {
+            finite("mu", index, value)?;
+            if value != 0.0 && value < *SIZES.start() {
                 return Err(LcpError::OutOfRange { what: "mu", index, value });
             }
         }
-        let raw = RawLcp { free: 0, matrix: self.matrix.clone(), q: self.q.clone() };
-        raw.validate()
+        for (index, &value) in self.q.iter().enumerate() {
+            finite("q", index, value)?;
+        }
+        for (index, row) in self.matrix.row_iter().enumerate() {
+            row.iter().try_for_each(|&value| finite("matrix row", index, value))?;
+        }
+        for (index, value) in self.matrix.diagonal().into_iter().copied().enumerate() {
+            if value > 0.0 && value < *SIZES.start() {
+                return Err(LcpError::OutOfRange { what: "matrix diagonal", index, value });
+            }
+        }
+        Ok(())
     }
 
     /// The linear complementarity problem in (rₙ, a, uₜ⁻) per contact, rₙ alone where μ = 0, of the
@@ -174,7 +183,25 @@ impl RawFriction {
                 worst = if defect.is_finite() { worst.max(defect.abs()) } else { f64::INFINITY };
             }
         }
-        worst / scale
+        let residual = worst / scale;
+        if residual.is_nan() { f64::INFINITY } else { residual }
+    }
+
+    /// The solution of [`to_raw`](Self::to_raw), if [`residual`](Self::residual) confirms it: where W
+    /// is of very different sizes, the raw problem's own residual is not enough.
+    ///
+    /// # Errors
+    /// [`LcpError::Rejected`].
+    pub fn judged(
+        &self,
+        solver: &'static str,
+        solution: RawSolution,
+    ) -> Result<RawSolution, LcpError> {
+        let residual = self.residual(&self.reactions(&solution.z));
+        if residual <= ACCEPTANCE {
+            return Ok(solution);
+        }
+        Err(LcpError::Rejected { solver, residual, tolerance: ACCEPTANCE })
     }
 
     /// dr/dq at a solution of [`to_raw`](Self::to_raw), 2k × 2k.

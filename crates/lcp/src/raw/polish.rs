@@ -4,11 +4,8 @@
 
 use nalgebra::DVector;
 
-use super::{RawLcp, RawSolution};
+use super::{ACCEPTANCE, RawLcp, RawSolution};
 use crate::{BandMatrix, BoxForm, BoxLaw, LcpError, Lu};
-
-/// Greatest residual that counts as solved.
-const ACCEPTANCE: f64 = 1e-10;
 
 /// ε of the proximal term, as for the rows of a mechanical problem.
 const PROXIMAL: f64 = 1e-10;

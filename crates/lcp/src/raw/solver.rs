@@ -23,6 +23,6 @@ pub trait RawSolver: Send + Sync {
     /// As [`solve_raw`](Self::solve_raw).
     fn solve_friction(&self, problem: &RawFriction) -> Result<RawSolution, LcpError> {
         problem.validate()?;
-        self.solve_raw(&problem.to_raw())
+        problem.judged(self.name(), self.solve_raw(&problem.to_raw())?)
     }
 }

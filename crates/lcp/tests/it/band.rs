@@ -46,6 +46,26 @@ proptest! {
         near((dense.transpose() * y).as_slice(), right.as_slice(), 1e-10);
     }
 
+    /// Rows without entries move down past the end that they had.
+    #[test]
+    fn lu_of_mostly_zeros(
+        n in 1_usize..24,
+        lower in 0_usize..8,
+        entries in prop::collection::vec(prop_oneof![3 => Just(0.0), 1 => -1.0..1.0_f64], 577),
+        right in prop::collection::vec(-1.0..1.0_f64, 24),
+    ) {
+        let (band, dense) = random(n, lower, &entries);
+        let right = DVector::from_column_slice(&right[..n]);
+        let lu = Lu::new(band, 1e-6);
+        let (mut x, mut y) = (right.clone(), right.clone());
+        lu.solve(x.as_mut_slice());
+        lu.solve_transpose(y.as_mut_slice());
+        if dense.singular_values().min() > 1e-3 {
+            near((&dense * x).as_slice(), right.as_slice(), 1e-10);
+            near((dense.transpose() * y).as_slice(), right.as_slice(), 1e-10);
+        }
+    }
+
     #[test]
     fn cholesky_solves_inside_the_envelope(
         n in 1_usize..24,

@@ -18,6 +18,9 @@ fn bodies() {
     refused(|p| p.mass[0].z = 0.0, "mass of item 0 is 0");
     refused(|p| p.mass[0].x = f64::NAN, "mass of item 0 is not finite");
     refused(|p| p.momentum[0].y = f64::INFINITY, "momentum of item 0 is not finite");
+    refused(|p| p.mass[0].x = 1e-320, "mass of item 0 is 1e-320, which is out of range");
+    refused(|p| p.mass[0].x = f64::MAX, "mass of item 0 is 1.79");
+    refused(|p| p.momentum[0].x = -1e200, "momentum of item 0 is -1e200, which is out of range");
     refused(|p| p.momentum.push(V::zeros()), "momentum has 2 entries, expected 1");
 }
 
