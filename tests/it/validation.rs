@@ -23,7 +23,9 @@ fn check(id: &str) {
     for backend in backends() {
         let (figures, _) = measure(case, &backend, false);
         assert!(!figures.is_empty(), "{id} measures nothing");
-        figures.iter().for_each(|figure| println!("{id} {}: {}", backend.name, Line(figure)));
+        for figure in &figures {
+            println!("{id} {}: {}", backend.name, Line(figure));
+        }
         let failed: Vec<&Figure> =
             figures.iter().filter(|figure| figure.verdict == Verdict::Failed).collect();
         assert!(failed.is_empty(), "{id} on {}: {failed:#?}", backend.name);

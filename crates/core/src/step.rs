@@ -46,6 +46,7 @@ pub fn step(
     let after = integrate(scene, state, &momentum, &islands);
     let mut record = StepRecord { control: control.to_vec(), contacts, islands, post: None, after };
     mend_positions(scene, solver, reach, &mut record, scratch)?;
+    record.after.check(scene.bodies.len())?;
     Ok(record)
 }
 
@@ -252,22 +253,10 @@ fn needs_mending(context: &RowContext<'_>) -> bool {
 }
 
 fn check_input(scene: &Scene, state: &State, control: &[f64]) -> Result<(), StepError> {
-    let expected = scene.bodies.len();
-    for found in [state.q.len(), state.v.len()] {
-        if found != expected {
-            return Err(StepError::StateSize { expected, found });
-        }
-    }
+    state.check(scene.bodies.len())?;
     let (expected, found) = (scene.controls.len(), control.len());
     if found != expected {
         return Err(StepError::ControlSize { expected, found });
-    }
-    let bad = |x: &Vector3<f64>| !x.iter().all(|x| x.is_finite());
-    let lists = [("pose of body", &state.q), ("velocity of body", &state.v)];
-    for (what, list) in lists {
-        if let Some(index) = list.iter().position(bad) {
-            return Err(StepError::NotFinite { what, index });
-        }
     }
     match control.iter().position(|u| !u.is_finite()) {
         Some(index) => Err(StepError::NotFinite { what: "control", index }),

@@ -85,7 +85,7 @@ impl RawSolver for Clarabel {
             }
             s = anderson.next(&s, &sliding(&weighted, &r));
         }
-        polish.finish(iterations, 0)
+        problem.judged("clarabel", polish.finish(iterations, 0)?)
     }
 }
 

@@ -37,11 +37,17 @@ impl<'a> Sweeps<'a> {
         Self { velocities, impulses, ..Self::new(problem) }
     }
 
-    /// All rows forwards, then backwards.
+    /// All rows forwards, then backwards, and friction once more: the normal impulses that bound it
+    /// came after it.
     pub fn sweep(&mut self) {
         let count = self.impulses.len();
         for row in (0..count).chain((0..count).rev()) {
             self.relax(row);
+        }
+        for row in 0..count {
+            if matches!(self.problem.rows[row].law, Law::Friction { .. }) {
+                self.relax(row);
+            }
         }
     }
 

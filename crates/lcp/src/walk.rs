@@ -124,7 +124,24 @@ impl<'a> Walk<'a> {
         for (y, target) in self.impulses.iter_mut().zip(target) {
             *y += longest * (target - *y);
         }
+        self.confine();
         blocking
+    }
+
+    /// Takes away what rounding leaves outside the laws.
+    fn confine(&mut self) {
+        for (i, row) in self.polish.problem.rows.iter().enumerate() {
+            let y = self.impulses[i];
+            self.impulses[i] = match row.law {
+                Law::Equality => y,
+                Law::Unilateral => y.max(0.0),
+                Law::Bounded { max } => y.clamp(-max, max),
+                Law::Friction { normal, mu } => {
+                    let bound = mu * self.impulses[normal as usize];
+                    y.clamp(-bound, bound)
+                }
+            };
+        }
     }
 
     /// Distances to the bounds of a row, how much of them a whole step takes, and the modes there.

@@ -86,7 +86,8 @@ pub fn markdown(reports: &[Report], titles: &[(&str, &str)]) -> String {
     let mut page = String::from(INTRODUCTION);
     for report in reports {
         let _ = write!(page, "\n## {}\n\n{}.\n\n", report.backend, report.summary());
-        let _ = writeln!(page, "{}\n", Took(&report.tally));
+        let _ = writeln!(page, "{}.\n", Took(&report.tally));
+        page.push_str(&overview(report, titles));
         let mut case = "";
         for figure in &report.figures {
             if figure.case != case {
@@ -98,6 +99,23 @@ pub fn markdown(reports: &[Report], titles: &[(&str, &str)]) -> String {
         }
     }
     page
+}
+
+/// A line per case: how many figures came to what.
+fn overview(report: &Report, titles: &[(&str, &str)]) -> String {
+    let mut table = String::from(
+        "| case | | passed | failed | not reached yet | refused |\n|---|---|--:|--:|--:|--:|\n",
+    );
+    for (case, title) in titles {
+        let count = |verdict| {
+            let of_case = report.figures.iter().filter(|f| f.case == *case);
+            of_case.filter(|f| f.verdict == verdict).count()
+        };
+        let [passed, failed, open, refused] =
+            [Verdict::Passed, Verdict::Failed, Verdict::NotReached, Verdict::Refused].map(count);
+        let _ = writeln!(table, "| {case} | {title} | {passed} | {failed} | {open} | {refused} |");
+    }
+    table
 }
 
 const INTRODUCTION: &str = "# Validation

@@ -96,3 +96,20 @@ fn states_to_inspect() {
     let message = "the time of the state is NaN; give a finite number of seconds";
     assert_eq!(inspect(&scene, &state).expect_err("refused").to_string(), message);
 }
+
+/// A state that a step would leave behind infinite is refused, and so is a time without a value.
+#[test]
+fn states_that_overflow() {
+    let bodies = vec![disc("ball", 0.2, [0.0; 2])];
+    let def = SceneDef { bodies, dt: 10.0, ..SceneDef::default() };
+    check_step(
+        &def,
+        |state, _| (state.q[0].x, state.v[0].x) = (f64::MAX, f64::MAX),
+        "pose of body 0 is not finite; look for an earlier division by zero",
+    );
+    check_step(
+        &def,
+        |state, _| state.time = f64::INFINITY,
+        "the time of the state is inf; give a finite number of seconds",
+    );
+}
