@@ -3,7 +3,7 @@
 use tangency_bench::scenes::{
     block, disc, fixed_block, floor, material, plane, sliding_box, stack, unit_scene,
 };
-use tangency_core::{BodyDef, SceneDef};
+use tangency_core::{BodyDef, Scene, SceneDef};
 
 use crate::{Case, Lab, Part, Stop};
 
@@ -87,12 +87,16 @@ fn stands_for_long(lab: &mut Lab<'_>) -> Result<(), Stop> {
 }
 
 fn drift(lab: &mut Lab<'_>, steps: usize) -> Result<(), Stop> {
-    let mut worst = 0.0_f64;
-    lab.watch(&stack(&[1.0; 3]), steps, |scene, record| {
-        let start = scene.initial_state().q;
-        let drift = record.after.q.iter().zip(&start).map(|(q, start)| (q - start).norm());
+    let def = stack(&[1.0; 3]);
+    let start = Scene::new(&def)?.initial_state();
+    let (mut worst, mut energy) = (0.0_f64, 0.0_f64);
+    lab.watch(&def, steps, |scene, record| {
+        let drift = record.after.q.iter().zip(&start.q).map(|(q, start)| (q - start).norm());
         worst = drift.fold(worst, f64::max);
+        energy = energy.max((scene.energy(&record.after) / scene.energy(&start) - 1.0).abs());
     })?;
-    lab.near(format!("stack of three: drift over {steps} steps"), worst, 0.0, 1e-9);
+    let name = format!("stack of three, {steps} steps");
+    lab.near(format!("{name}: drift"), worst, 0.0, 1e-9);
+    lab.near(format!("{name}: change of energy, relative"), energy, 0.0, 1e-9);
     Ok(())
 }

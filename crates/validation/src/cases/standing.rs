@@ -92,7 +92,9 @@ fn tower(lab: &mut Lab<'_>, n: u32, count: usize) -> Result<(), Stop> {
     let def = SceneDef { dt: 1.0 / 60.0, ..stack(&vec![1.0; n as usize]) };
     let start = Scene::new(&def)?.initial_state();
     let (mut forces, mut drift, mut tilt) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut energy = 0.0_f64;
     lab.watch(&def, count, |scene, record| {
+        energy = energy.max((scene.energy(&record.after) / scene.energy(&start) - 1.0).abs());
         for i in 0..n {
             let weight = f64::from(n - i) * G;
             let force = between(record, [i, i + 1]) / scene.dt();
@@ -105,14 +107,18 @@ fn tower(lab: &mut Lab<'_>, n: u32, count: usize) -> Result<(), Stop> {
     lab.near(format!("{name}, worst force, relative"), forces, 0.0, 1e-8);
     lab.near(format!("{name}, drift"), drift, 0.0, 1e-8);
     lab.near(format!("{name}, tilt"), tilt, 0.0, 1e-9);
+    lab.near(format!("{name}, change of energy, relative"), energy, 0.0, 1e-9);
     Ok(())
 }
 
 fn pile(lab: &mut Lab<'_>, base: usize, count: usize) -> Result<(), Stop> {
     let def = SceneDef { dt: 1.0 / 60.0, ..pyramid(base) };
     let weight = (def.bodies.len() - 1) as f64 * G;
+    let start = Scene::new(&def)?.initial_state();
     let (mut floor, mut speed, mut skew) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut energy = 0.0_f64;
     lab.watch(&def, count, |scene, record| {
+        energy = energy.max((scene.energy(&record.after) / scene.energy(&start) - 1.0).abs());
         floor = floor.max((on_floor(record) / scene.dt() / weight - 1.0).abs());
         speed = speed.max(record.after.v.iter().map(Vector3::norm).fold(0.0, f64::max));
         skew = skew.max(asymmetry(base, &record.after));
@@ -121,6 +127,7 @@ fn pile(lab: &mut Lab<'_>, base: usize, count: usize) -> Result<(), Stop> {
     lab.near(format!("{name}, floor sum over weight"), 1.0 + floor, 1.0, 1e-8);
     lab.near(format!("{name}, speed"), speed, 0.0, 1e-8);
     lab.near(format!("{name}, asymmetry"), skew, 0.0, 1e-8);
+    lab.near(format!("{name}, change of energy, relative"), energy, 0.0, 1e-9);
     Ok(())
 }
 
