@@ -5,7 +5,9 @@ use tangency::core::row::Stage;
 use tangency::diff::StateVector;
 use tangency::lcp::LcpError;
 use tangency::{Param, State, StepError, StepRecord, gradient, simulate};
-use tangency_bench::scenes::{misfit_hinges, narrow_slot, wedged_box};
+use tangency_bench::scenes::{
+    disc, hinge, misfit_hinges, narrow_slot, plane, rod, seesaw, unit_scene, wedged_box,
+};
 
 use crate::engine::{backends, built, first_step, near, run};
 
@@ -89,5 +91,53 @@ fn misfit_that_is_no_drift() {
             panic!("{error}");
         };
         assert!(residual > 1e-3, "{residual}");
+    }
+}
+
+/// A penetration below what counts as rounding, from both sides.
+#[test]
+fn slot_too_narrow_by_rounding() {
+    for solver in backends() {
+        let half = 0.1 * (1.0 - 1e-10);
+        let walls = [plane("left", [1.0, 0.0], -half), plane("right", [-1.0, 0.0], -half)];
+        let bodies = walls.into_iter().chain([disc("ball", 0.1, [0.0; 2])]).collect();
+        let tape = run(&built(&unit_scene("tight slot", bodies)), &*solver, 20);
+        near("stays", tape.last().q[2].norm(), 0.0, 1e-10);
+        near("stands", tape.last().v[2].norm(), 0.0, 1e-9);
+    }
+}
+
+/// A lever is no contradiction: nothing gives way, and Newton's law holds at the contact struck,
+/// u⁺ = −e u⁻ with u⁻ = −1 m/s.
+#[test]
+fn seesaw_keeps_its_restitution() {
+    for solver in backends() {
+        let record = first_step(&built(&seesaw(0.8)), &*solver);
+        assert!(!stages(&record).iter().any(|stage| stage.gives_way()), "{:?}", stages(&record));
+        let v = &record.after.v;
+        let under = v[0].y + v[0].z * (-1.0 - 2.5);
+        near("Newton's law at the heavy disc", v[1].y - under, 0.8, 1e-9);
+        assert!(v[2].y > 6.0, "the light disc flies at {} m/s", v[2].y);
+    }
+}
+
+/// What gives way in one island changes nothing in another: a pendulum beside a jam moves to the last
+/// bit as it does alone.
+#[test]
+fn islands_give_way_by_themselves() {
+    let swinging =
+        || (rod("swing", 1.0, 1.0, [5.5, 0.0], 0.0), hinge("pin", "world", "swing", [5.0, 0.0]));
+    for solver in backends() {
+        let ((body, joint), mut jam) = (swinging(), misfit_hinges(0.01));
+        jam.bodies.push(body);
+        jam.joints.push(joint);
+        let beside = run(&built(&jam), &*solver, 30);
+        let ((body, joint), mut alone) = (swinging(), misfit_hinges(0.01));
+        (alone.bodies, alone.joints) = (vec![body], vec![joint]);
+        let alone = run(&built(&alone), &*solver, 30);
+        assert!(
+            beside.records.iter().any(|record| record.islands.iter().any(|i| i.stage.drifts()))
+        );
+        assert_eq!(beside.last().q[1], alone.last().q[0]);
     }
 }

@@ -45,4 +45,4 @@ pub use machines::{
 pub use masonry::{arch, gable, pyramid};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
-pub use tight::{misfit_hinges, narrow_slot, wedged_box};
+pub use tight::{misfit_hinges, narrow_slot, seesaw, wedged_box};

@@ -52,9 +52,9 @@ pub struct PostRecord {
     pub moved: Vec<Vector3<f64>>,
     /// The step's contacts, evaluated there.
     pub contacts: Vec<Contact>,
-    /// Whether joints were closed, too: the scene asks for it, or an island
-    /// [let errors stay](Stage::drifts).
-    pub mends_joints: bool,
+    /// Bodies of islands that [let errors stay](Stage::drifts): theirs were removed, too. Empty if
+    /// there are none.
+    pub loose: Vec<bool>,
     /// The problems; their velocities are the displacement divided by dt.
     pub islands: Vec<IslandRecord>,
 }

@@ -69,7 +69,7 @@ pub enum RowSource {
 /// ```
 ///
 /// `Plastic` and `SoftPost` always have one, unless motors or kinematic bodies drive the rows against
-/// each other (`docs/maths.md`, section 2).
+/// each other, or a joint is off by more than drift explains (`docs/maths.md`, section 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
@@ -147,8 +147,9 @@ pub struct RowContext<'a> {
     pub control: &'a [f64],
     /// Contacts, evaluated at `q`.
     pub contacts: &'a [Contact],
-    /// Whether the displacement after the move closes joints, too.
-    pub mends_joints: bool,
+    /// Bodies whose position errors stayed in the step ([`Stage::drifts`]), so that the displacement
+    /// after the move removes them; empty if there are none.
+    pub loose: &'a [bool],
 }
 
 impl RowContext<'_> {
@@ -261,24 +262,53 @@ impl RowContext<'_> {
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
         let (dt, speed) = (self.scene.dt, self.recovery(source));
-        match source {
-            RowSource::Held { .. } | RowSource::Motor { .. } => {
-                if self.mends_joints {
-                    rhs::post_joint(value, dt, speed)
-                } else {
-                    Rhs::default()
-                }
+        let mends = match source {
+            RowSource::Normal { contact } | RowSource::Tangent { contact } => {
+                self.mends_contact(contact)
             }
-            _ => rhs::post_gap(value, dt, speed),
+            RowSource::Held { joint, .. }
+            | RowSource::Lower { joint }
+            | RowSource::Upper { joint }
+            | RowSource::Motor { joint } => self.mends_joint(joint),
+        };
+        match source {
+            RowSource::Held { .. } if mends => rhs::post_joint(value, dt, speed),
+            RowSource::Held { .. } | RowSource::Motor { .. } => Rhs::default(),
+            _ if value > 0.0 || mends => rhs::post_gap(value, dt, speed),
+            _ => Rhs::default(),
+        }
+    }
+
+    /// Whether the displacement after the move closes a joint and brings it back to its limits.
+    #[must_use]
+    pub fn mends_joint(&self, joint: u32) -> bool {
+        self.mends(self.scene.def.stabilisation.joints, self.joint(joint).bodies)
+    }
+
+    /// Whether the displacement after the move opens a penetration.
+    #[must_use]
+    pub fn mends_contact(&self, contact: u32) -> bool {
+        self.mends(self.scene.def.stabilisation.contacts, self.contact_bodies(contact).map(Some))
+    }
+
+    fn mends(&self, correction: Correction, bodies: [Option<usize>; 2]) -> bool {
+        match correction {
+            Correction::None => false,
+            Correction::Post => true,
+            Correction::Baumgarte { .. } => {
+                let loose = |body: &usize| self.loose.get(*body) == Some(&true);
+                bodies.iter().flatten().any(loose)
+            }
         }
     }
 
     /// Part of its own Wᵢᵢ by which a row of this stage gives way. Joints that are mended resist more
-    /// than penetrations. Otherwise they only yield where they depend on each other up to their drift: two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
+    /// than penetrations. Otherwise they only yield where they depend on each other up to their drift:
+    /// two hinges of a body that are off by 10⁻⁸ of its size forbid it to turn.
     #[must_use]
     pub fn softness(&self, source: RowSource) -> f64 {
         match (self.stage, source) {
-            (Stage::SoftPost, RowSource::Held { .. }) if self.mends_joints => 1e-6,
+            (Stage::SoftPost, RowSource::Held { joint, .. }) if self.mends_joint(joint) => 1e-6,
             (stage, RowSource::Held { .. }) if stage.gives_way() => 1e-8,
             (Stage::SoftPost, _) => 1e-2,
             _ => 0.0,
@@ -353,7 +383,9 @@ impl RowContext<'_> {
     fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {
         let (def, dt) = (&self.scene.def, self.scene.dt);
         let recovery_speed = def.recovery_speed;
-        let correction = if self.stage.drifts() { Correction::None } else { correction };
+        // What may stay asks for nothing, not even below the slop.
+        let (correction, slop) =
+            if self.stage.drifts() { (Correction::None, 0.0) } else { (correction, slop) };
         Unilateral { model: def.contact_model, correction, dt, recovery_speed, slop }
     }
 

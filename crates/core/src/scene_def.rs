@@ -24,7 +24,8 @@ pub struct SceneDef {
     pub contact_model: ContactModel,
     /// How position errors are removed.
     pub stabilisation: Stabilisation,
-    /// Greatest speed at which [`Correction::Post`] removes errors of places, m/s.
+    /// Greatest speed at which [`Correction::Post`], and `Baumgarte` of contacts and limits, remove
+    /// errors of places, m/s.
     pub recovery_speed: f64,
     /// Greatest rate at which it removes errors of angles, rad/s.
     pub recovery_rate: f64,

@@ -17,7 +17,7 @@ use crate::momentum::momentum;
 use crate::record::{IslandRecord, Path, PostRecord, StepRecord};
 use crate::row::{RowContext, RowSource, Stage};
 use crate::scene::Scene;
-use crate::{Correction, State, StepError};
+use crate::{Correction, Stabilisation, State, StepError};
 
 /// Memory that is reused between steps; it never changes a result.
 #[derive(Debug, Default)]
@@ -40,8 +40,7 @@ pub fn step(
     check_input(scene, state, control)?;
     let Setup { contacts, islands, momentum, reach } = set_up(scene, state, control)?;
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context =
-        RowContext { scene, stage, q, v, control, contacts: &contacts, mends_joints: false };
+    let context = RowContext { scene, stage, q, v, control, contacts: &contacts, loose: &[] };
     let islands = solve(&context, solver, state.time, islands, scratch)?;
     let after = integrate(scene, state, &momentum, &islands);
     let mut record = StepRecord { control: control.to_vec(), contacts, islands, post: None, after };
@@ -60,7 +59,7 @@ pub(crate) struct Setup {
 
 pub(crate) fn set_up(scene: &Scene, state: &State, control: &[f64]) -> Result<Setup, StepError> {
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context = RowContext { scene, stage, q, v, control, contacts: &[], mends_joints: false };
+    let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[] };
     let momentum = momentum(&context, state.time);
     let reach = reach(scene, v, &momentum);
     let contacts = detect(scene, state, reach)?;
@@ -91,6 +90,9 @@ fn wild(stage: Stage) -> f64 {
     if stage.is_velocity() { 8.0 } else { 4.0 }
 }
 
+/// A later stage counts if its solution is calmer by this much: a lever is no contradiction.
+const CALMER: f64 = 4.0;
+
 /// The record of one island; of a refusal its bodies and the first stage's error.
 fn solve_island(
     context: &RowContext<'_>,
@@ -100,32 +102,30 @@ fn solve_island(
 ) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
     let tolerance = context.scene.tolerance();
     let (mut calmest, mut least) = (None, f64::INFINITY);
-    let mut refusal = None;
-    let mut next = Some(island.clone());
+    let mut refusal: Option<(Vec<u32>, LcpError)> = None;
+    let mut next = Some(island);
     while let Some(island) = next {
-        let result = solve_checked(solver, &island.problem, None, &mut scratch.lcp, tolerance);
-        match result {
+        let problem = &island.problem;
+        match solve_checked(solver, problem, None, &mut scratch.lcp, tolerance) {
             Ok((solution, _)) if gives_too_much(context, &island, &solution) => {
                 next = giving_way(context, &island);
             }
             Ok((solution, residual)) => {
-                let amplification = island.problem.amplification(&solution);
-                if amplification <= wild(island.stage) {
-                    return Ok(record(island, solution, residual.max()));
-                }
-                next = giving_way(context, &island);
-                if calmest.is_none() || amplification < least {
+                let amplification = problem.amplification(&solution);
+                let calm = amplification <= wild(island.stage);
+                next = if calm { None } else { giving_way(context, &island) };
+                if calmest.is_none() || CALMER * amplification < least {
                     least = amplification;
                     calmest = Some(record(island, solution, residual.max()));
                 }
             }
             Err(error) => {
                 next = giving_way(context, &island);
-                refusal = refusal.or(Some(error));
+                refusal = refusal.or(Some((island.bodies, error)));
             }
         }
     }
-    calmest.ok_or_else(|| (island.bodies, refusal.unwrap_or(NOTHING_TRIED)))
+    calmest.ok_or_else(|| refusal.unwrap_or((Vec::new(), NOTHING_TRIED)))
 }
 
 /// Joints that may drift and give way by more than this, relative to the problem's scale, are
@@ -133,13 +133,15 @@ fn solve_island(
 const DRIVEN: f64 = 1e-3;
 
 fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolution) -> bool {
+    if !island.stage.drifts() {
+        return false;
+    }
     let metric = Metric::new(&island.problem);
     let context = RowContext { stage: island.stage, ..*context };
     let gives = |(row, source): (usize, &RowSource)| {
         context.softness(*source) * metric.impulse(row, solution.impulses[row]).abs()
     };
-    island.stage.drifts()
-        && island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
+    island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
 }
 
 const NOTHING_TRIED: LcpError = LcpError::NotConverged { iterations: 0, residual: f64::INFINITY };
@@ -194,17 +196,16 @@ fn mend_positions(
     record: &mut StepRecord,
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
-    let stabilisation = scene.stabilisation();
-    let loose = record.islands.iter().any(|island| island.stage.drifts());
-    let mends_joints = loose || stabilisation.joints == Correction::Post;
-    if !mends_joints && stabilisation.contacts != Correction::Post {
+    let loose = loose_bodies(record);
+    let Stabilisation { joints, contacts } = scene.stabilisation();
+    if loose.is_empty() && ![joints, contacts].contains(&Correction::Post) {
         return Ok(());
     }
     let moved = record.after.q.clone();
     let contacts = evaluate_at(&record.contacts, &moved);
     let (stage, v, control) = (Stage::Post, &record.after.v, &record.control);
     let context =
-        RowContext { scene, stage, q: &moved, v, control, contacts: &contacts, mends_joints };
+        RowContext { scene, stage, q: &moved, v, control, contacts: &contacts, loose: &loose };
     if !needs_mending(&context) {
         return Ok(());
     }
@@ -217,7 +218,7 @@ fn mend_positions(
             record.after.q[*body as usize] += scene.dt * w;
         }
     }
-    record.post = Some(PostRecord { moved, contacts, mends_joints, islands });
+    record.post = Some(PostRecord { moved, contacts, loose, islands });
     Ok(())
 }
 
@@ -238,18 +239,29 @@ fn evaluate_at(contacts: &[Contact], q: &[Vector3<f64>]) -> Vec<Contact> {
     contacts.iter().map(at).collect()
 }
 
+/// Bodies of islands that let position errors stay; empty if there are none.
+fn loose_bodies(record: &StepRecord) -> Vec<bool> {
+    let mut loose = Vec::new();
+    for island in record.islands.iter().filter(|island| island.stage.drifts()) {
+        loose.resize(record.after.q.len(), false);
+        island.bodies.iter().for_each(|body| loose[*body as usize] = true);
+    }
+    loose
+}
+
 fn needs_mending(context: &RowContext<'_>) -> bool {
-    let contacts = context.scene.stabilisation().contacts;
-    let penetrates = |c: u32| context.contacts[c as usize].gap < -context.contact_slop(c);
-    let drifts = |joint: usize| {
-        let held = &context.scene.joints[joint];
-        let index = u32::try_from(joint).expect("fewer joints than u32 counts");
-        held.softness.is_none()
-            && held.held.iter().any(|row| context.joint_geometry(index, *row).value != 0.0)
+    let index = |i: usize| u32::try_from(i).expect("fewer than u32 counts");
+    let penetrates = |contact: usize| {
+        let (contact, gap) = (index(contact), context.contacts[contact].gap);
+        gap < -context.contact_slop(contact) && context.mends_contact(contact)
     };
-    let n_contacts = u32::try_from(context.contacts.len()).expect("fewer contacts than u32 counts");
-    (contacts == Correction::Post && (0..n_contacts).any(penetrates))
-        || (context.mends_joints && (0..context.scene.joints.len()).any(drifts))
+    let drifts = |joint: usize| {
+        let (held, joint) = (&context.scene.joints[joint], index(joint));
+        held.softness.is_none()
+            && context.mends_joint(joint)
+            && held.held.iter().any(|row| context.joint_geometry(joint, *row).value != 0.0)
+    };
+    (0..context.contacts.len()).any(penetrates) || (0..context.scene.joints.len()).any(drifts)
 }
 
 fn check_input(scene: &Scene, state: &State, control: &[f64]) -> Result<(), StepError> {

@@ -88,14 +88,15 @@ impl GradientReport {
 
     /// Adds the contacts for which `gap + dt Jₙ v⁻` is zero to rounding, the switch of restitution.
     pub(crate) fn add_bounces(&mut self, context: &RowContext<'_>, island: &IslandRecord) {
-        if context.scene.contact_model() != ContactModel::Gap {
+        let bounces = island.stage != Stage::Plastic;
+        if context.scene.contact_model() != ContactModel::Gap || !bounces {
             return;
         }
         let step = self.step;
-        let bounces = island.sources.iter().filter(|source| at_bounce(context, **source));
+        let at_switch = island.sources.iter().filter(|source| at_bounce(context, **source));
         let (kind, stage) = (Switch::Bouncing, island.stage);
         let one_sided = |source: &RowSource| OneSided { step, source: *source, kind, stage };
-        self.one_sided.extend(bounces.map(one_sided));
+        self.one_sided.extend(at_switch.map(one_sided));
     }
 
     /// Reverse mode meets the last step first; users read the first one first.

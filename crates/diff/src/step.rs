@@ -112,7 +112,7 @@ fn velocity_context<'a>(
 ) -> RowContext<'a> {
     let (q, v, stage) = (&before.q, &before.v, Stage::Velocity);
     let (control, contacts) = (&record.control, &record.contacts);
-    RowContext { scene, stage, q, v, control, contacts, mends_joints: false }
+    RowContext { scene, stage, q, v, control, contacts, loose: &[] }
 }
 
 fn post_context<'a>(
@@ -121,8 +121,8 @@ fn post_context<'a>(
     post: &'a PostRecord,
 ) -> RowContext<'a> {
     let (q, v, stage) = (&post.moved, &record.after.v, Stage::Post);
-    let (control, contacts, mends_joints) = (&record.control, &post.contacts, post.mends_joints);
-    RowContext { scene, stage, q, v, control, contacts, mends_joints }
+    let (control, contacts, loose) = (&record.control, &post.contacts, &post.loose);
+    RowContext { scene, stage, q, v, control, contacts, loose }
 }
 
 /// q⁺ = q̃ + dt w: turns the gradient by q⁺ into that by q̃.

@@ -11,12 +11,13 @@ use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
 
 /// Interior-point solver with active-set polish.
 ///
-/// Stages, each tried only if the one before left a residual above `tolerance` (above `acceptance` from
-/// Lemke's method on): the guess through
-/// the active-set loop; modes read at the free velocities; the interior point, boldly and then
-/// carefully, polished whenever it shows new modes; a walk along the active sets that begins at
-/// projected Gauss–Seidel's iterate; Lemke's method for problems of moderate size;
-/// all modes of the few rows that are most in doubt. A solution is returned if its natural residual is at most `acceptance`.
+/// Stages, each tried only if the one before left a residual above `tolerance`: the guess through the
+/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully,
+/// polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
+/// contradicting rows, and the last resorts: a walk along the active sets from projected Gauss–Seidel's
+/// iterate; Lemke's method on the rows in play and on all, for problems of moderate size; the
+/// interior point with a more patient polish; all modes of the few rows that are most in doubt. A
+/// solution is returned if its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
@@ -65,7 +66,8 @@ impl LcpSolver for InteriorPoint {
         }
         let metric = Metric::new(problem);
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
-        Search { settings: *self, polish, best: None, stats: SolveStats::default() }.run(guess)
+        let (answered, stats) = (Method::ActiveSet, SolveStats::default());
+        Search { settings: *self, polish, best: None, answered, stats }.run(guess)
     }
 }
 
@@ -74,6 +76,8 @@ struct Search<'a> {
     settings: InteriorPoint,
     polish: Polish<'a>,
     best: Option<Polished>,
+    /// The method that found the best.
+    answered: Method,
     stats: SolveStats,
 }
 
@@ -91,11 +95,26 @@ impl Search<'_> {
         if let Some(residual) = self.conflict() {
             return Err(LcpError::Infeasible { residual });
         }
-        let _ = self.walk()
-            || self.pivoting(&form)
-            || self.interior(&form, CAREFUL)
-            || self.enumerated();
+        let _ = self.last_resorts(&form);
         self.finish()
+    }
+
+    /// Ends with the first stage that leaves an acceptable residual.
+    fn last_resorts(&mut self, form: &BoxForm) -> bool {
+        let usual = self.polish;
+        if self.walk() || self.is_accepted() {
+            return true;
+        }
+        self.polish = Polish { max_flips: 5 * usual.max_flips, near_miss: 1.0, ..usual };
+        if self.pivoting(form) || self.is_accepted() {
+            return true;
+        }
+        self.stats.method = Method::InteriorPoint;
+        if self.interior(form, CAREFUL) || self.is_accepted() {
+            return true;
+        }
+        self.polish = usual;
+        self.enumerated()
     }
 
     fn is_accepted(&self) -> bool {
@@ -116,6 +135,7 @@ impl Search<'_> {
         let reached = self.polish.reached(&candidate);
         if self.best.as_ref().is_none_or(|best| candidate.max() < best.max()) {
             self.best = Some(candidate);
+            self.answered = self.stats.method;
         }
         reached
     }
@@ -154,6 +174,7 @@ impl Search<'_> {
             (0..SWEEPS).for_each(|_| sweeps.sweep());
             let mut walk = Walk::new(self.polish, &sweeps.approximate());
             let candidate = walk.run(MOST_STEPS);
+            self.stats.factorisations += walk.factorisations();
             sweeps = Sweeps::from(self.polish.problem, walk.impulses().to_vec());
             candidate.is_some_and(|candidate| self.offer(candidate))
         })
@@ -162,8 +183,6 @@ impl Search<'_> {
     /// Lemke's method on the rows in play, then on all.
     fn pivoting(&mut self, form: &BoxForm) -> bool {
         self.stats.method = Method::Pivoting;
-        self.polish.max_flips *= 5;
-        self.polish.near_miss = 1.0;
         let problem = self.polish.problem;
         let kept = self.in_play();
         let part = problem.select(&kept);
@@ -176,7 +195,7 @@ impl Search<'_> {
 
     fn pivot(&mut self, form: &BoxForm, whole: impl Fn(Vec<f64>) -> Vec<f64>) -> bool {
         candidates(form).any(|(y, pivots)| {
-            self.stats.factorisations += pivots;
+            self.stats.iterations += pivots;
             self.polish_impulses(whole(form.impulses(&y)))
         })
     }
@@ -208,8 +227,6 @@ impl Search<'_> {
     /// Starts from all modes of the rows that the best candidate leaves in doubt.
     fn enumerated(&mut self) -> bool {
         self.stats.method = Method::Enumeration;
-        self.polish.near_miss = 1e-5;
-        self.polish.max_flips = self.settings.max_flips;
         let Some(best) = self.best.clone() else { return false };
         self.polish.problem.neighbours(&best.solution).any(|modes| {
             let candidate = self.polish.modes(modes, None);
@@ -254,7 +271,8 @@ impl Search<'_> {
         let residual = self.best.as_ref().map_or(f64::INFINITY, Polished::max);
         match self.best {
             Some(best) if self.polish.reached(&best) || residual <= self.settings.acceptance => {
-                Ok(LcpSolution { stats: self.stats, ..best.solution })
+                let stats = SolveStats { method: self.answered, ..self.stats };
+                Ok(LcpSolution { stats, ..best.solution })
             }
             _ => Err(LcpError::NotConverged { iterations, residual }),
         }

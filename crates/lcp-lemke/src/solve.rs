@@ -7,10 +7,11 @@ use tangency_lcp::{
 
 use crate::candidates;
 
-/// Lemke's method with eight covering vectors in turn, each answer polished.
+/// Lemke's method with eight covering vectors in turn (three where there are more than 400 pairs), each
+/// answer polished.
 ///
-/// Takes problems of at most 1200 complementary pairs (one per contact, limit or joint stop, two more
-/// per friction row or motor); larger ones are not tried. Work is bounded: 8 n + 200 pivots per
+/// Takes problems of at most 1200 complementary pairs (one per contact, limit or joint stop, two per
+/// friction row or motor); larger ones are not tried. Work is bounded: 8 n + 200 pivots per
 /// covering vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lemke {

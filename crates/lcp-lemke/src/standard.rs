@@ -23,6 +23,8 @@ use crate::tableau::{Outcome, lemke};
 const DEPENDENT: f64 = 1e-9;
 /// Above this number of pairs a dense tableau costs too much.
 const MOST_PAIRS: usize = 1200;
+/// Above this number of rows, free ones included, their matrix does.
+const MOST_ROWS: usize = 1500;
 /// Covering vectors tried, and how many of them where a pivot costs much.
 const ATTEMPTS: u64 = 8;
 const FEW_ATTEMPTS: u64 = 3;
@@ -31,7 +33,8 @@ const MANY_PAIRS: usize = 400;
 
 /// Candidates y from Lemke's method, one per attempt that ended in a solution.
 pub fn candidates(form: &BoxForm) -> impl Iterator<Item = (Vec<f64>, u32)> {
-    let standard = (form.pairs() <= MOST_PAIRS).then(|| Standard::new(form)).flatten();
+    let small = form.pairs() <= MOST_PAIRS && form.len() <= MOST_ROWS;
+    let standard = small.then(|| Standard::new(form)).flatten();
     let attempts = if form.pairs() > MANY_PAIRS { FEW_ATTEMPTS } else { ATTEMPTS };
     (0..attempts).filter_map(move |attempt| standard.as_ref()?.attempt(attempt))
 }

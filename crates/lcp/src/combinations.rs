@@ -1,5 +1,5 @@
-//! Modes of a few rows in all combinations: where contacts barely touch, hold each other with impulses
-//! of any size, or follow each other in a circle, nothing else tells which of them count.
+//! Modes of a few rows in all combinations: where contacts barely touch, or hold each other with
+//! impulses of any size, nothing else tells which of them count.
 
 use crate::{Law, Lcp, LcpSolution, Mode};
 
@@ -25,8 +25,8 @@ impl Lcp {
         self.combinations(&solution.modes, &rows).take(most.max(1))
     }
 
-    /// All combinations of the modes of the first few of `rows`, those of `modes` first.
-    pub(crate) fn combinations(
+    /// All combinations of the modes of the first few of `rows`, the others as in `modes`.
+    fn combinations(
         &self,
         modes: &[Mode],
         rows: &[usize],

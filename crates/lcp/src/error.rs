@@ -107,9 +107,9 @@ pub enum LcpError {
         value: f64,
     },
     /// The constraints contradict each other.
-    #[error("conflicting constraints: least residual {residual:e}; loosen or remove rows")]
+    #[error("conflicting constraints, violated by {residual:e} at least; loosen or remove rows")]
     Infeasible {
-        /// Smallest natural residual reached, free of units.
+        /// The least violation that was found, free of units.
         residual: f64,
     },
     /// The solver stopped before the residual was small enough.

@@ -4,7 +4,7 @@
 //!  Wᵢᵢ = Jᵢ M⁻¹ Jᵢᵀ + cᵢ       ŷᵢ = λᵢ √Wᵢᵢ       ûᵢ = uᵢ / √Wᵢᵢ       ĥᵢ = hᵢ √Wᵢᵢ      √J each
 //!  s* = max( max_k |p_k|/√M_kk , max_i |bᵢ|/√Wᵢᵢ )
 //!
-//!  momentum     max_k |M v − Jᵀ λ − p|_k / (√M_kk s* + Σᵢ |Jᵢₖ λᵢ|)
+//!  momentum     max_k |M v − Jᵀ λ − p|_k / (√M_kk s* + 10⁻⁴ Σᵢ |Jᵢₖ λᵢ|)
 //!  equality     |û| / s*
 //!  unilateral   |min(ŷ, û)| / s*
 //!  bounded      |ŷ − clip(ŷ − û, ±ĥ)| / s*
@@ -18,8 +18,8 @@
 //! M/μ, an impulse λ/μ, a weight μ Wᵢᵢ. Nothing else would make the square roots the same to the last
 //! bit when the unit of mass changes by an odd power of two.
 //!
-//! A momentum defect is relative to the impulses that act on the body, too: between two heavy
-//! bodies, impulses on a light one cancel to the last digit only, which no candidate can avoid.
+//! Impulses of heavy neighbours on a light body cancel to the last digit only, which no candidate can
+//! avoid: hence the share of 10⁻⁴, with which a residual of 10⁻¹⁰ allows their rounding and no more.
 
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
@@ -63,6 +63,9 @@ pub struct Metric {
     /// s*, the problem's own scale.
     pub scale: f64,
 }
+
+/// Share of the impulses on a body that its momentum defect is relative to.
+const ROUNDING: f64 = 1e-4;
 
 impl Metric {
     /// The metric of `problem`.
@@ -197,7 +200,7 @@ impl Lcp {
             for k in 0..3 {
                 let defect = metric.momentum(m[k] * v[k] - balance[body][k], m[k]).abs();
                 let acting = metric.momentum(impulses[body][k], m[k]);
-                worst = worst.max(quotient(defect, metric.scale + acting));
+                worst = worst.max(quotient(defect, metric.scale + ROUNDING * acting));
             }
         }
         worst

@@ -44,8 +44,9 @@ pub struct Walk<'a> {
     modes: Vec<Mode>,
     /// How often each row was tried since the last one that led on.
     tried: Vec<usize>,
-    /// The rows whose modes changed, in order.
-    changed: Vec<usize>,
+    /// The row that was violated last.
+    last: Option<usize>,
+    factorisations: u32,
 }
 
 impl<'a> Walk<'a> {
@@ -55,7 +56,7 @@ impl<'a> Walk<'a> {
         let slacks = polish.problem.remainders(&start.velocities, &start.impulses);
         let (impulses, modes) = (start.impulses.clone(), Vec::new());
         let tried = vec![0; impulses.len()];
-        let mut walk = Self { polish, impulses, modes, tried, changed: Vec::new() };
+        let mut walk = Self { polish, impulses, modes, tried, last: None, factorisations: 0 };
         for (row, slack) in slacks.iter().enumerate() {
             let mode = walk.mode_at(row, *slack);
             walk.modes.push(mode);
@@ -69,11 +70,18 @@ impl<'a> Walk<'a> {
         &self.impulses
     }
 
+    /// Factorisations so far.
+    #[must_use]
+    pub fn factorisations(&self) -> u32 {
+        self.factorisations
+    }
+
     /// Walks until no row is violated, and polishes; `None` after `most` steps, or where no mode of a
     /// row leads on.
     pub fn run(&mut self, most: usize) -> Option<Polished> {
         for step in 0..most {
             let system = ActiveSystem::new(self.polish.problem, self.polish.metric, &self.modes);
+            self.factorisations += 1;
             let reduced = system.solve(self.polish.problem, Some(&self.impulses));
             let target = system.spread(self.polish.problem, &reduced.impulses);
             if !target.iter().all(|y| y.is_finite()) {
@@ -94,17 +102,6 @@ impl<'a> Walk<'a> {
             }
         }
         None
-    }
-
-    /// All modes of the rows that changed last: those of a circle, if the walk ended in one.
-    #[must_use]
-    pub fn enumerate(&self) -> Option<Polished> {
-        let recent: Vec<usize> = self.changed.iter().rev().copied().collect();
-        let mut combinations = self.polish.problem.combinations(&self.modes, &recent);
-        combinations.find_map(|modes| {
-            let candidate = self.polish.modes(modes, Some(&self.impulses));
-            self.polish.reached(&candidate).then_some(candidate)
-        })
     }
 
     /// Steps towards the target; the row that blocks, and its mode from now on.
@@ -163,7 +160,6 @@ impl<'a> Walk<'a> {
     /// Gives a row its mode; the friction of a contact that opens goes with it.
     fn set(&mut self, row: usize, mode: Mode) {
         self.modes[row] = mode;
-        self.changed.push(row);
         if mode == Mode::Open {
             self.impulses[row] = 0.0;
             if let Some(friction) = self.polish.problem.friction_of(row) {
@@ -203,12 +199,12 @@ impl<'a> Walk<'a> {
     /// A violated row takes another mode: the likeliest first, and another each time that it is
     /// violated again at once.
     fn close(&mut self, row: usize, slacks: &[f64]) {
-        if self.changed.last().is_some_and(|last| *last != row && self.modes[*last] != Mode::Open) {
+        if self.last.is_some_and(|last| last != row && self.modes[last] != Mode::Open) {
             self.tried.fill(0); // the last one led on
         }
         let attempt = self.tried[row];
         self.tried[row] += 1;
-        self.changed.push(row);
+        self.last = Some(row);
         if self.modes[row] != Mode::Open {
             self.slide_back(row, attempt);
             return;

@@ -82,7 +82,7 @@ impl<'a> Lab<'a> {
         Ok(Run { scene, tape })
     }
 
-    /// Runs without keeping the records; `see` is shown each.
+    /// Runs a scene without control channels and keeps no record; `see` is shown each.
     ///
     /// # Errors
     /// [`Stop`] where the scene or a step is refused.
@@ -132,8 +132,8 @@ impl<'a> Lab<'a> {
         self.figure(quantity, Grade::Fine, Relation::Near, [got, expected, tolerance]);
     }
 
-    /// A derivative of the motion to 1e-6 of the expected one, or to `floor` where that is zero, by
-    /// the recommended stepping.
+    /// A derivative of the motion to `part` of the expected one, or to `part` where that is zero, by the
+    /// recommended stepping.
     pub fn fine_slope(&mut self, quantity: impl Into<String>, got: f64, expected: f64, part: f64) {
         let tolerance = if expected == 0.0 { part } else { part * expected.abs() };
         self.figure(quantity, Grade::Fine, Relation::Near, [got, expected, tolerance]);

@@ -142,6 +142,7 @@ impl Display for Line<'_> {
         let quantity = quantity.replace('|', "\\|");
         let told = told(self.0);
         if expected.is_nan() {
+            let note = note.replace('|', "\\|").replace('\n', " ");
             return write!(f, "| {quantity} | | | | | {told}: {note} |");
         }
         let sign = match self.0.relation {
@@ -164,7 +165,7 @@ impl Display for Took<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Tally { steps, refused, problems, residual, factorisations } = self.0;
         write!(f, "{steps} steps, {refused} refused; worst residual {residual:.1e}; problems: ")?;
-        let counts = problems.iter().map(|(method, n)| format!("{n} by {}", self.0.name(*method)));
+        let counts = problems.iter().map(|(method, n)| format!("{n} by {}", Tally::name(*method)));
         let counts: Vec<String> = counts.collect();
         write!(f, "{}; {factorisations} factorisations", counts.join(", "))
     }

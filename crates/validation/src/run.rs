@@ -54,10 +54,13 @@ impl Run {
         changes.map(|p| p[0].0 + (p[1].0 - p[0].0) * p[0].1 / (p[0].1 - p[1].1)).collect()
     }
 
-    /// The worst of a quantity over all states.
+    /// The worst of a quantity over all states; NaN if it is that anywhere.
     #[must_use]
     pub fn worst(&self, quantity: impl FnMut(&State) -> f64) -> f64 {
-        self.tape.states().map(quantity).fold(0.0, |worst, x| if x > worst { x } else { worst })
+        self.tape
+            .states()
+            .map(quantity)
+            .fold(0.0, |worst: f64, x| if x > worst || x.is_nan() { x } else { worst })
     }
 
     /// The coefficients that pick one number of the last state.

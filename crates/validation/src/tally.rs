@@ -45,7 +45,7 @@ impl Tally {
 
     /// A method in words.
     #[must_use]
-    pub fn name(&self, method: Method) -> &'static str {
+    pub fn name(method: Method) -> &'static str {
         match method {
             Method::Linear => "one linear solve",
             Method::ActiveSet => "modes at the free velocities",
