@@ -42,6 +42,7 @@ mod record;
 pub mod rhs;
 mod rollout;
 pub mod row;
+mod stage;
 mod step;
 
 pub use body::{BodyDef, BodyKind};
@@ -56,6 +57,7 @@ pub use rollout::{Rollout, rollout, simulate};
 pub use row::RowSource;
 pub use scene::Scene;
 pub use scene_def::{ContactModel, Correction, PairDef, SceneDef, Stabilisation};
+pub use stage::Stage;
 pub use state::State;
 pub use step::{StepScratch, step};
 pub use tangency_collision::{Contact, ContactId, Pose, Shape};
