@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use tangency::lcp::LcpError;
-use tangency::{LcpSolver, Scene, StepError, inspect, load_scene, simulate};
+use tangency::{Scene, inspect, load_scene};
 
 use crate::engine::{backends, run, steps};
 
@@ -26,32 +25,12 @@ fn at_least_twelve_scenes_ship() {
     assert!(shipped().len() >= 12, "{} scenes", shipped().len());
 }
 
-/// Backends and scenes with a step that may be refused, never answered wrongly: Clarabel's fixed
-/// points cycle at t = 0.45 s of the pyramid's collapse (see docs/solvers.md).
-const MAY_REFUSE: [(&str, &str); 1] = [("clarabel", "Pyramid")];
-
-/// Whether this is a step that may be refused, and was: with the residual reached.
-fn is_refused(scene: &Scene, solver: &dyn LcpSolver, count: usize) -> bool {
-    if !MAY_REFUSE.contains(&(solver.name(), scene.def().name.as_str())) {
-        return false;
-    }
-    match simulate(scene, solver, count) {
-        Err(StepError::Lcp { source: LcpError::NotConverged { residual, .. }, .. }) => {
-            residual > scene.tolerance()
-        }
-        Ok(_) | Err(_) => false,
-    }
-}
-
 /// Residual and finite states are checked by `run`.
 #[test]
 fn shipped_scenes_run() {
     for solver in backends() {
         for (file, scene) in shipped() {
             let count = steps(scene.def().duration, scene.dt()).min(200);
-            if is_refused(&scene, &*solver, count) {
-                continue;
-            }
             let tape = run(&scene, &*solver, count);
             let drift = tape.states().map(|s| scene.joint_drift(s)).fold(0.0, f64::max);
             let sizes = (0..scene.bodies().len()).map(|b| scene.size(b)).filter(|s| s.is_finite());

@@ -3,7 +3,7 @@
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver};
 use tangency_lcp::{
     Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Polish, Polished, Scratch,
-    SolveStats, solve_linear,
+    SolveStats, solve_linear, walks,
 };
 
 use crate::anderson::Anderson;
@@ -149,23 +149,30 @@ impl Search<'_> {
             }
         }
         if self.best.as_ref().is_none_or(|best| best.max() > self.settings.acceptance) {
-            self.correct_at_length();
+            let _ = self.correct_at_length() || self.walk();
         }
         self.finish()
     }
 
     /// The polish with twenty times its corrections: from the best modes found, and from those that
     /// rows alone would take at the free velocities.
-    fn correct_at_length(&mut self) {
+    fn correct_at_length(&mut self) -> bool {
         self.polish.max_flips = 20 * self.settings.max_flips;
         let found = self.best.as_ref().map(|best| best.solution.modes.clone());
         let cold = [false, true].map(|slide| self.polish.cold_modes(slide));
-        for modes in found.into_iter().chain(cold) {
+        found.into_iter().chain(cold).any(|modes| {
             let candidate = self.polish.modes(modes, None);
-            if self.offer(candidate) {
-                return;
-            }
-        }
+            self.offer(candidate)
+        })
+    }
+
+    /// The last resort: no convex program shows the modes.
+    fn walk(&mut self) -> bool {
+        self.stats.method = Method::Walk;
+        walks(self.polish).any(|(candidate, factorisations)| {
+            self.stats.factorisations += factorisations;
+            candidate.is_some_and(|candidate| self.offer(candidate))
+        })
     }
 
     /// s ← μ|u_t|, one convex program and one polish each; damped if not accelerated.

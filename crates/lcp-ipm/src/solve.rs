@@ -2,7 +2,7 @@
 
 use tangency_lcp::{
     BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish,
-    Polished, Scratch, SolveStats, Sweeps, Walk, solve_linear,
+    Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
 };
 use tangency_lcp_lemke::candidates;
 
@@ -42,12 +42,8 @@ impl Default for InteriorPoint {
 
 /// Contacts that part faster than this, relative to s*, are out of play.
 const NEAR: f64 = 1e-2;
-/// How often sweeps of projected Gauss–Seidel and a walk follow each other.
-const ROUNDS: usize = 3;
-/// Sweeps before each walk.
+/// Sweeps after which rows count as in play or not.
 const SWEEPS: usize = 200;
-/// Greatest number of steps of a walk.
-const MOST_STEPS: usize = 300;
 
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -166,16 +162,10 @@ impl Search<'_> {
         }
     }
 
-    /// Sweeps of projected Gauss–Seidel and walks in turn, each from where the other is.
     fn walk(&mut self) -> bool {
         self.stats.method = Method::Walk;
-        let mut sweeps = Sweeps::new(self.polish.problem);
-        (0..ROUNDS).any(|_| {
-            (0..SWEEPS).for_each(|_| sweeps.sweep());
-            let mut walk = Walk::new(self.polish, &sweeps.approximate());
-            let candidate = walk.run(MOST_STEPS);
-            self.stats.factorisations += walk.factorisations();
-            sweeps = Sweeps::from(self.polish.problem, walk.impulses().to_vec());
+        walks(self.polish).any(|(candidate, factorisations)| {
+            self.stats.factorisations += factorisations;
             candidate.is_some_and(|candidate| self.offer(candidate))
         })
     }

@@ -48,4 +48,4 @@ pub use residual::{Metric, Residual};
 pub use solution::{LcpSolution, Method, Mode, SolveStats};
 pub use solver::{Guess, LcpSolver, Scratch, solve_checked};
 pub use sweeps::Sweeps;
-pub use walk::Walk;
+pub use walk::{Walk, walks};

@@ -17,7 +17,7 @@
 //! once against the bound that it left. Then it slides the other way; and a contact that may not close
 //! with its friction against the slip is closed sticking, or with its friction along.
 
-use crate::{ActiveSystem, Law, LcpSolution, Metric, Mode, Polish, Polished};
+use crate::{ActiveSystem, Law, LcpSolution, Metric, Mode, Polish, Polished, Sweeps};
 
 /// Rows keep their modes while they violate them by less than this, relative to s*.
 const KEEP: f64 = 1e-12;
@@ -47,6 +47,26 @@ pub struct Walk<'a> {
     /// The row that was violated last.
     last: Option<usize>,
     factorisations: u32,
+}
+
+/// How often sweeps of projected Gauss–Seidel and a walk follow each other.
+const ROUNDS: usize = 3;
+/// Sweeps before each walk.
+const SWEEPS: usize = 200;
+/// Greatest number of steps of a walk.
+const MOST_STEPS: usize = 300;
+
+/// What walks from more and more sweeps of projected Gauss–Seidel end in, each from where the other
+/// is, with the factorisations that it took.
+pub fn walks(polish: Polish<'_>) -> impl Iterator<Item = (Option<Polished>, u32)> {
+    let mut sweeps = Sweeps::new(polish.problem);
+    (0..ROUNDS).map(move |_| {
+        (0..SWEEPS).for_each(|_| sweeps.sweep());
+        let mut walk = Walk::new(polish, &sweeps.approximate());
+        let candidate = walk.run(MOST_STEPS);
+        sweeps = Sweeps::from(polish.problem, walk.impulses().to_vec());
+        (candidate, walk.factorisations())
+    })
 }
 
 impl<'a> Walk<'a> {
