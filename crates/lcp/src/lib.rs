@@ -4,7 +4,7 @@
 //! any solver's inside. Read in the order of the modules: the problem and what a solution is; the
 //! residual, which alone decides whether a candidate is one; the linear system that remains once
 //! every row's mode is known; the polish, which turns a guess of the modes into an exact solution;
-//! the trait that backends implement; the paper's dense form.
+//! sweeps, walks and combinations of modes for where that fails; the trait that backends implement; the paper's dense form.
 
 mod active_set;
 mod amplification;
