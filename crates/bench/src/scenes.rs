@@ -17,6 +17,7 @@ mod landing;
 mod linkage;
 mod machines;
 mod masonry;
+mod race;
 mod rocker;
 mod suspension;
 mod tight;
@@ -43,6 +44,7 @@ pub use machines::{
     bent_arm, compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart,
 };
 pub use masonry::{arch, gable, pyramid};
+pub use race::{race_bounce, race_cartpole, race_chain, race_stack};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
 pub use tight::{misfit_hinges, narrow_slot, seesaw, wedged_box};
