@@ -1,6 +1,6 @@
 //! Projected Gauss–Seidel and walks along active sets, on the hard problems of all classes.
 
-use tangency::lcp::{Law, Lcp, LcpSolution, Metric, Polish, Sweeps, Walk};
+use tangency::lcp::{Law, Lcp, LcpSolution, Metric, Polish, Scratch, Sweeps, Walk};
 use tangency_bench::problems::{CLASSES, Random};
 
 const SEEDS: u64 = 12;
@@ -54,7 +54,7 @@ fn walks_end_in_solutions() {
         let metric = Metric::new(&problem);
         let polish = Polish::new(&problem, &metric, 1e-12, 8);
         let mut walk = Walk::new(polish, &swept(&problem, 100));
-        let found = walk.run(300);
+        let found = walk.run(300, &mut Scratch::default());
         assert!(is_admissible(&problem, walk.impulses()), "the walk left the laws");
         solved += u32::from(found.is_some_and(|found| found.max() <= 1e-10));
         count += 1;

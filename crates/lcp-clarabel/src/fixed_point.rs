@@ -2,7 +2,7 @@
 
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver};
 use tangency_lcp::{
-    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Polish, Polished, Scratch,
+    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Polish, Polished, Scratch,
     SolveStats, solve_linear, walks,
 };
 
@@ -76,23 +76,26 @@ impl LcpSolver for Clarabel {
         &self,
         problem: &Lcp,
         guess: Option<&Guess>,
-        _scratch: &mut Scratch,
+        scratch: &mut Scratch,
     ) -> Result<LcpSolution, LcpError> {
         problem.validate()?;
         if problem.is_linear() {
             return solve_linear(problem);
         }
-        let mut metric = Metric::new(problem);
+        let mut metric = scratch.metric(problem);
         if metric.scale == 0.0 {
             metric.scale = 1.0; // everything is zero, and so is the solution
         }
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
-        let mut search = Search { settings: self, polish, stats, best: None };
-        if guess.is_some_and(|guess| search.warm(guess)) {
-            return search.finish();
-        }
-        search.run()
+        let mut search = Search { settings: self, polish, scratch, stats, best: None };
+        let found = if guess.is_some_and(|guess| search.warm(guess)) {
+            search.finish()
+        } else {
+            search.run()
+        };
+        scratch.give_metric(metric);
+        found
     }
 }
 
@@ -117,6 +120,7 @@ enum End {
 struct Search<'a> {
     settings: &'a Clarabel,
     polish: Polish<'a>,
+    scratch: &'a mut Scratch,
     stats: SolveStats,
     best: Option<Polished>,
 }
@@ -126,7 +130,7 @@ impl Search<'_> {
         if guess.modes.len() != self.polish.problem.rows.len() {
             return false;
         }
-        let candidate = self.polish.modes(guess.modes.clone(), None);
+        let candidate = self.polish.modes(&guess.modes, None, self.scratch);
         self.offer(candidate)
     }
 
@@ -161,7 +165,7 @@ impl Search<'_> {
         let found = self.best.as_ref().map(|best| best.solution.modes.clone());
         let cold = [false, true].map(|slide| self.polish.cold_modes(slide));
         found.into_iter().chain(cold).any(|modes| {
-            let candidate = self.polish.modes(modes, None);
+            let candidate = self.polish.modes(&modes, None, self.scratch);
             self.offer(candidate)
         })
     }
@@ -169,10 +173,13 @@ impl Search<'_> {
     /// The last resort: no convex program shows the modes.
     fn walk(&mut self) -> bool {
         self.stats.method = Method::Walk;
-        walks(self.polish).any(|(candidate, factorisations)| {
+        let mut scratch = std::mem::take(self.scratch);
+        let found = walks(self.polish, &mut scratch).any(|(candidate, factorisations)| {
             self.stats.factorisations += factorisations;
             candidate.is_some_and(|candidate| self.offer(candidate))
-        })
+        });
+        *self.scratch = scratch;
+        found
     }
 
     /// s ← μ|u_t|, one convex program and one polish each; damped if not accelerated.
@@ -257,7 +264,9 @@ impl Search<'_> {
     }
 
     fn offer_approximate(&mut self, iterate: &LcpSolution) -> bool {
-        self.polish.approximate(iterate).is_some_and(|candidate| self.offer(candidate))
+        self.polish
+            .approximate(iterate, self.scratch)
+            .is_some_and(|candidate| self.offer(candidate))
     }
 
     /// Takes a candidate into account; true if it is good enough to stop.

@@ -54,16 +54,19 @@ impl LcpSolver for InteriorPoint {
         &self,
         problem: &Lcp,
         guess: Option<&Guess>,
-        _scratch: &mut Scratch,
+        scratch: &mut Scratch,
     ) -> Result<LcpSolution, LcpError> {
         problem.validate()?;
         if problem.is_linear() {
             return solve_linear(problem);
         }
-        let metric = Metric::new(problem);
+        let metric = scratch.metric(problem);
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let (answered, stats) = (Method::ActiveSet, SolveStats::default());
-        Search { settings: *self, polish, best: None, answered, stats }.run(guess)
+        let search = Search { settings: *self, polish, scratch, best: None, answered, stats };
+        let found = search.run(guess);
+        scratch.give_metric(metric);
+        found
     }
 }
 
@@ -71,6 +74,7 @@ impl LcpSolver for InteriorPoint {
 struct Search<'a> {
     settings: InteriorPoint,
     polish: Polish<'a>,
+    scratch: &'a mut Scratch,
     best: Option<Polished>,
     /// The method that found the best.
     answered: Method,
@@ -144,7 +148,7 @@ impl Search<'_> {
         let start = (guess.impulses.len() == rows
             && guess.impulses.iter().all(|impulse| impulse.is_finite()))
         .then_some(&guess.impulses[..]);
-        let candidate = self.polish.modes(guess.modes.clone(), start);
+        let candidate = self.polish.modes(&guess.modes, start, self.scratch);
         self.offer(candidate)
     }
 
@@ -152,22 +156,25 @@ impl Search<'_> {
         let sticking = self.polish.cold_modes(false);
         let sliding = self.polish.cold_modes(true);
         let same = sticking == sliding;
-        let candidate = self.polish.modes(sticking, None);
+        let candidate = self.polish.modes(&sticking, None, self.scratch);
         if self.offer(candidate) {
             return true;
         }
         !same && {
-            let candidate = self.polish.modes(sliding, None);
+            let candidate = self.polish.modes(&sliding, None, self.scratch);
             self.offer(candidate)
         }
     }
 
     fn walk(&mut self) -> bool {
         self.stats.method = Method::Walk;
-        walks(self.polish).any(|(candidate, factorisations)| {
+        let mut scratch = std::mem::take(self.scratch);
+        let found = walks(self.polish, &mut scratch).any(|(candidate, factorisations)| {
             self.stats.factorisations += factorisations;
             candidate.is_some_and(|candidate| self.offer(candidate))
-        })
+        });
+        *self.scratch = scratch;
+        found
     }
 
     /// Lemke's method on the rows in play, then on all.
@@ -211,7 +218,9 @@ impl Search<'_> {
     fn polish_impulses(&mut self, impulses: Vec<f64>) -> bool {
         let velocities = self.polish.problem.velocities(&impulses);
         let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
-        self.polish.approximate(&approximate).is_some_and(|candidate| self.offer(candidate))
+        self.polish
+            .approximate(&approximate, self.scratch)
+            .is_some_and(|candidate| self.offer(candidate))
     }
 
     /// Starts from all modes of the rows that the best candidate leaves in doubt.
@@ -219,7 +228,7 @@ impl Search<'_> {
         self.stats.method = Method::Enumeration;
         let Some(best) = self.best.clone() else { return false };
         self.polish.problem.neighbours(&best.solution).any(|modes| {
-            let candidate = self.polish.modes(modes, None);
+            let candidate = self.polish.modes(&modes, None, self.scratch);
             self.offer(candidate)
         })
     }
@@ -253,7 +262,9 @@ impl Search<'_> {
             return false;
         }
         *tried = Some(modes);
-        self.polish.approximate(&approximate).is_some_and(|candidate| self.offer(candidate))
+        self.polish
+            .approximate(&approximate, self.scratch)
+            .is_some_and(|candidate| self.offer(candidate))
     }
 
     fn finish(self) -> Result<LcpSolution, LcpError> {

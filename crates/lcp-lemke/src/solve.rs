@@ -1,8 +1,8 @@
 //! [`Lemke`].
 
 use tangency_lcp::{
-    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Polish, Polished,
-    RawLcp, RawPolish, RawSolution, RawSolver, Scratch, SolveStats, solve_linear,
+    BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Polish, Polished, RawLcp,
+    RawPolish, RawSolution, RawSolver, Scratch, SolveStats, solve_linear,
 };
 
 use crate::candidates;
@@ -38,18 +38,20 @@ impl LcpSolver for Lemke {
         &self,
         problem: &Lcp,
         guess: Option<&Guess>,
-        _scratch: &mut Scratch,
+        scratch: &mut Scratch,
     ) -> Result<LcpSolution, LcpError> {
         problem.validate()?;
         if problem.is_linear() {
             return solve_linear(problem);
         }
-        let metric = Metric::new(problem);
+        let metric = scratch.metric(problem);
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
-        let mut search = Search { polish, best: None, stats };
+        let mut search = Search { polish, scratch, best: None, stats };
         let _ = guess.is_some_and(|guess| search.warm(guess)) || search.pivoting();
-        search.finish(self.acceptance)
+        let found = search.finish(self.acceptance);
+        scratch.give_metric(metric);
+        found
     }
 }
 
@@ -77,6 +79,7 @@ impl RawSolver for Lemke {
 /// One solve.
 struct Search<'a> {
     polish: Polish<'a>,
+    scratch: &'a mut Scratch,
     best: Option<Polished>,
     stats: SolveStats,
 }
@@ -84,7 +87,7 @@ struct Search<'a> {
 impl Search<'_> {
     fn warm(&mut self, guess: &Guess) -> bool {
         guess.modes.len() == self.polish.problem.rows.len() && {
-            let candidate = self.polish.modes(guess.modes.clone(), None);
+            let candidate = self.polish.modes(&guess.modes, None, self.scratch);
             self.offer(candidate)
         }
     }
@@ -98,7 +101,7 @@ impl Search<'_> {
             let impulses = form.impulses(&y);
             let velocities = problem.velocities(&impulses);
             let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
-            let candidate = self.polish.approximate(&approximate);
+            let candidate = self.polish.approximate(&approximate, self.scratch);
             candidate.is_some_and(|candidate| self.offer(candidate))
         })
     }

@@ -19,20 +19,32 @@ impl BandMatrix {
     /// row exchanges.
     #[must_use]
     pub fn zeros(n: usize, lower: usize) -> Self {
-        Self::with_width(n, lower, 3 * lower + 1)
+        Self::full_in(n, lower, Vec::new())
     }
 
     /// n × n zeros of which only the lower triangle is stored, for [`Cholesky`].
     #[must_use]
     pub fn zeros_lower(n: usize, lower: usize) -> Self {
-        Self::with_width(n, lower, lower + 1)
+        Self::lower_in(n, lower, Vec::new())
     }
 
-    fn with_width(n: usize, lower: usize, width: usize) -> Self {
+    /// [`zeros`](Self::zeros) in memory that is used again.
+    pub(crate) fn full_in(n: usize, lower: usize, memory: Vec<f64>) -> Self {
+        Self::with_width(n, lower, 3 * lower + 1, memory)
+    }
+
+    /// [`zeros_lower`](Self::zeros_lower) in memory that is used again.
+    pub(crate) fn lower_in(n: usize, lower: usize, memory: Vec<f64>) -> Self {
+        Self::with_width(n, lower, lower + 1, memory)
+    }
+
+    fn with_width(n: usize, lower: usize, width: usize, mut data: Vec<f64>) -> Self {
         let (stride, offset, len) =
             if width >= n { (n, 0, n * n) } else { (width - 1, lower, n * width) };
         let lower = lower.min(n.saturating_sub(1));
-        Self { n, lower, stride, offset, data: vec![0.0; len] }
+        data.clear();
+        data.resize(len, 0.0);
+        Self { n, lower, stride, offset, data }
     }
 
     /// Number of rows.
@@ -110,8 +122,16 @@ impl BandMatrix {
     }
 }
 
-/// Sum of products, in four strands that the processor can run side by side.
+/// Sum of products, of long rows in four strands that the processor can run side by side.
+#[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() < 8 {
+        return a.iter().zip(b).fold(0.0, |sum, (x, y)| sum + x * y);
+    }
+    long_dot(a, b)
+}
+
+fn long_dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
     let tail: f64 = a4.remainder().iter().zip(b4.remainder()).map(|(x, y)| x * y).sum();
@@ -165,6 +185,11 @@ impl Lu {
             eliminate(&mut matrix, k, below, &mut last);
         }
         Self { matrix, exchanged, last }
+    }
+
+    /// Its memory.
+    pub(crate) fn into_memory(self) -> Vec<f64> {
+        self.matrix.data
     }
 
     /// Pivots in order of elimination.
@@ -255,11 +280,20 @@ pub struct Cholesky {
 impl Cholesky {
     /// Factors; squared pivots smaller than `floor` are replaced by it.
     #[must_use]
+    pub fn new(matrix: BandMatrix, floor: f64) -> Self {
+        Self::in_memory(matrix, floor, (Vec::new(), Vec::new()))
+    }
+
+    /// The same in memory that is used again.
     #[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
-    pub fn new(mut matrix: BandMatrix, floor: f64) -> Self {
+    pub(crate) fn in_memory(
+        mut matrix: BandMatrix,
+        floor: f64,
+        (mut first, mut inverse): (Vec<u32>, Vec<f64>),
+    ) -> Self {
         let n = matrix.n;
-        let mut first = vec![0_u32; n];
-        let mut inverse = vec![0.0; n];
+        first.resize(n, 0);
+        inverse.resize(n, 0.0);
         for i in 0..n {
             let start = matrix.columns(i).start;
             let from = start + matrix.row(i, start, i).iter().take_while(|&&a| a == 0.0).count();
@@ -275,6 +309,11 @@ impl Cholesky {
             inverse[i] = square.sqrt().recip();
         }
         Self { matrix, first, inverse }
+    }
+
+    /// Its memory.
+    pub(crate) fn into_memory(self) -> (Vec<f64>, Vec<u32>, Vec<f64>) {
+        (self.matrix.data, self.first, self.inverse)
     }
 
     /// Squared pivots in order of elimination.

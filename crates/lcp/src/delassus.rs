@@ -1,11 +1,10 @@
 //! The rows' own matrix W = J M⁻¹ Jᵀ + diag(c), scaled to unit diagonal and stored as a band.
 
-#![expect(non_snake_case, reason = "matrices carry their names from the paper")]
+use nalgebra::Vector3;
 
 use crate::band::BandMatrix;
-use crate::order;
-use crate::rows::Touching;
-use crate::{Law, Lcp, Metric};
+use crate::equations::Equations;
+use crate::{ActiveSystem, Law, Lcp, Metric, Scratch, order};
 
 /// Ŵ = R μ W R with R = diag(1/√(μ Wᵢᵢ)), m × m, in an order of the rows in which it is a narrow band.
 #[derive(Clone, Debug)]
@@ -22,12 +21,16 @@ impl Delassus {
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
     pub fn new(problem: &Lcp, metric: &Metric) -> Self {
+        let (mut scratch, mut equations) = (Scratch::default(), Equations::default());
         let mut rows: Vec<u32> = (0..problem.rows.len() as u32).collect();
-        let half_width = order::narrow(problem, &mut rows).max(coupling_width(problem, &rows));
-        let scaling = Scaling::new(metric, &rows);
-        let mut matrix = BandMatrix::zeros(rows.len(), half_width);
-        Assembly::new(problem, &rows, &scaling, false).add_rows(&mut matrix);
-        Self { rows, matrix }
+        let natural = order::half_width(problem, &rows, &mut scratch.spans);
+        let half_width = order::narrow(problem, &mut rows, natural, &mut scratch);
+        let half_width = half_width.max(coupling_width(problem, &rows));
+        let system = ActiveSystem::of_all(rows, metric);
+        equations.gather(problem, metric, &system);
+        let mut matrix = BandMatrix::zeros(equations.rows.len(), half_width);
+        Assembly::new(&equations, false, &mut scratch).add_rows(&mut matrix);
+        Self { rows: system.rows, matrix }
     }
 }
 
@@ -44,77 +47,81 @@ fn coupling_width(problem: &Lcp, rows: &[u32]) -> usize {
     problem.rows.iter().enumerate().map(distance).max().unwrap_or(0)
 }
 
-/// How rows listed in some order are scaled.
-#[derive(Clone, Debug)]
-pub(crate) struct Scaling {
-    /// 1/√(μ Wᵢᵢ) per slot: times a remainder it gives û.
-    pub(crate) of_remainder: Vec<f64>,
-    /// μ/√(μ Wᵢᵢ) per slot: times ŷ it gives an impulse.
-    pub(crate) to_impulse: Vec<f64>,
-    /// μ.
-    pub(crate) unit: f64,
-}
-
-impl Scaling {
-    pub(crate) fn new(metric: &Metric, rows: &[u32]) -> Self {
-        let unit = metric.unit();
-        let of_remainder: Vec<f64> =
-            rows.iter().map(|&row| metric.root(row as usize).recip()).collect();
-        let to_impulse = of_remainder.iter().map(|inverse| inverse * unit).collect();
-        Self { of_remainder, to_impulse, unit }
-    }
-}
-
-/// Writes columns of R J M⁻¹ Jᵀ μ R into a band matrix.
+/// Writes B̂ μM⁻¹ Ĉᵀ + ĉ into a band matrix. The entries of a body, 2 · slot + side, are linked from the
+/// last that was added to the first.
 pub(crate) struct Assembly<'a> {
-    problem: &'a Lcp,
-    rows: &'a [u32],
-    scaling: &'a Scaling,
-    touching: Touching,
+    equations: &'a Equations,
     lower_only: bool,
+    /// Last entry of each body.
+    last: Vec<u32>,
+    /// The entry before each.
+    before: Vec<u32>,
 }
+
+/// Ends a list.
+const END: u32 = u32::MAX;
 
 impl<'a> Assembly<'a> {
-    /// For the rows listed, in that order.
-    pub(crate) fn new(
-        problem: &'a Lcp,
-        rows: &'a [u32],
-        scaling: &'a Scaling,
-        lower_only: bool,
-    ) -> Self {
-        let touching = Touching::new(problem, rows.iter().map(|&row| row as usize));
-        Self { problem, rows, scaling, touching, lower_only }
+    /// An empty matrix.
+    pub(crate) fn new(equations: &'a Equations, lower_only: bool, scratch: &mut Scratch) -> Self {
+        let last = scratch.indices.filled(equations.mass.len(), END);
+        let before = scratch.indices.filled(2 * equations.rows.len(), END);
+        Self { equations, lower_only, last, before }
     }
 
-    /// Every listed row as the column of its own, and the compliance.
-    pub(crate) fn add_rows(&self, matrix: &mut BandMatrix) {
-        for (slot, &row) in self.rows.iter().enumerate() {
-            self.add_column(matrix, row, slot, 1.0);
-            let compliance = self.problem.rows[row as usize].compliance;
-            let Scaling { of_remainder, to_impulse, .. } = self.scaling;
-            matrix.add(slot, slot, compliance * of_remainder[slot] * to_impulse[slot]);
-        }
+    /// Gives its memory back.
+    pub(crate) fn give(self, scratch: &mut Scratch) {
+        scratch.indices.give(self.last);
+        scratch.indices.give(self.before);
     }
 
-    /// `coefficient` times row `row` as part of column `column`.
-    pub(crate) fn add_column(
-        &self,
-        matrix: &mut BandMatrix,
-        row: u32,
-        column: usize,
-        coefficient: f64,
-    ) {
-        let factor = coefficient * self.scaling.to_impulse[column];
-        for (body, J) in self.problem.rows[row as usize].blocks() {
-            let weighted = factor * J.component_div(&self.problem.mass[body]);
-            for &(slot, side) in self.touching.of(body) {
-                let (slot, side) = (slot as usize, side as usize);
-                if self.lower_only && slot < column {
-                    continue;
-                }
-                let B = &self.problem.rows[self.rows[slot] as usize].jacobian[side];
-                matrix.add(slot, column, self.scaling.of_remainder[slot] * B.dot(&weighted));
+    /// Every row against itself and those before it.
+    pub(crate) fn add_rows(&mut self, matrix: &mut BandMatrix) {
+        for (slot, row) in self.equations.rows.iter().enumerate() {
+            matrix.add(slot, slot, row.compliance);
+            for side in 0..2 {
+                let body = row.bodies[side] as usize;
+                let Some(last) = self.last.get(body) else { continue };
+                let weighted = row.jacobian[side].component_mul(&self.equations.inverse_mass[body]);
+                matrix.add(slot, slot, weighted.dot(&row.jacobian[side]));
+                self.walk(*last, &weighted, |other, value| {
+                    matrix.add(slot, other, value);
+                    if !self.lower_only {
+                        matrix.add(other, slot, value);
+                    }
+                });
+                self.link(slot, side, body);
             }
         }
+    }
+
+    /// Sliding friction as part of its normal row's column.
+    pub(crate) fn add_folds(&mut self, matrix: &mut BandMatrix) {
+        for fold in &self.equations.folds {
+            for side in 0..2 {
+                let body = fold.bodies[side] as usize;
+                let Some(last) = self.last.get(body) else { continue };
+                let weighted =
+                    fold.jacobian[side].component_mul(&self.equations.inverse_mass[body]);
+                self.walk(*last, &weighted, |slot, value| {
+                    matrix.add(slot, fold.column as usize, value);
+                });
+            }
+        }
+    }
+
+    /// Calls with the slot of each entry in a body's list, and its product with a column.
+    fn walk(&self, mut entry: u32, column: &Vector3<f64>, mut add: impl FnMut(usize, f64)) {
+        while entry != END {
+            let (slot, side) = (entry as usize / 2, entry as usize % 2);
+            add(slot, self.equations.rows[slot].jacobian[side].dot(column));
+            entry = self.before[entry as usize];
+        }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "row counts are u32")]
+    fn link(&mut self, slot: usize, side: usize, body: usize) {
+        let entry = 2 * slot + side;
+        self.before[entry] = std::mem::replace(&mut self.last[body], entry as u32);
     }
 }

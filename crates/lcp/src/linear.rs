@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::{ActiveSystem, Law, Lcp, LcpError, LcpSolution, Metric, Mode, Reduced, SolveStats};
+use crate::{
+    ActiveSystem, Law, Lcp, LcpError, LcpSolution, Metric, Mode, Reduced, Scratch, SolveStats,
+};
 
 /// Above this residual, relative to s*, redundant equations contradict each other.
 const CONSISTENT: f64 = 1e-9;
@@ -26,25 +28,39 @@ impl Lcp {
 /// # Panics
 /// If a row is not an equality.
 pub fn solve_linear(problem: &Lcp) -> Result<LcpSolution, LcpError> {
+    let mut scratch = Scratch::default();
+    solve_linear_in(problem, &Metric::checked(problem)?, &mut scratch)
+}
+
+/// The same for a problem that is valid, with its metric.
+pub(crate) fn solve_linear_in(
+    problem: &Lcp,
+    metric: &Metric,
+    scratch: &mut Scratch,
+) -> Result<LcpSolution, LcpError> {
     assert!(problem.is_linear(), "solve_linear takes equality rows only");
-    problem.validate()?;
     if problem.rows.is_empty() {
         return Ok(LcpSolution { velocities: problem.free_velocities(), ..LcpSolution::default() });
     }
-    let metric = Metric::new(problem);
-    let modes = vec![Mode::Active; problem.rows.len()];
-    let system = ActiveSystem::new(problem, &metric, &modes);
-    let system = Arc::new(system);
-    let solution = assemble(problem, &system, &system.solve(problem, None));
-    let residual = problem.residual_in(&metric, &solution).max();
+    let modes = scratch.modes.filled(problem.rows.len(), Mode::Active);
+    let mut system = scratch.system();
+    if let Some(system) = Arc::get_mut(&mut system) {
+        system.renew(problem, metric, &modes, scratch);
+    }
+    let (velocities, impulses) = (scratch.vectors.take(), scratch.floats.take());
+    let mut reduced = Reduced { velocities, impulses, defect: 0.0 };
+    system.solve_gathered(problem, None, scratch, &mut reduced);
+    let solution = assemble(problem, &system, reduced, modes, scratch);
+    let residual = problem.residual_with(metric, &solution, scratch).max();
     if residual <= EXACT {
         return Ok(solution);
     }
     let Some(stiff) = system.solve_stiff(problem) else {
         return accepted(solution, residual);
     };
-    let stiff = assemble(problem, &system, &stiff);
-    let again = problem.residual_in(&metric, &stiff).max();
+    let modes = solution.modes.clone();
+    let stiff = assemble(problem, &system, stiff, modes, scratch);
+    let again = problem.residual_with(metric, &stiff, scratch).max();
     if again < residual { accepted(stiff, again) } else { accepted(solution, residual) }
 }
 
@@ -52,13 +68,23 @@ fn accepted(solution: LcpSolution, residual: f64) -> Result<LcpSolution, LcpErro
     if residual <= CONSISTENT { Ok(solution) } else { Err(LcpError::Infeasible { residual }) }
 }
 
-fn assemble(problem: &Lcp, system: &Arc<ActiveSystem>, reduced: &Reduced) -> LcpSolution {
-    let impulses = system.spread(problem, &reduced.impulses);
+fn assemble(
+    problem: &Lcp,
+    system: &Arc<ActiveSystem>,
+    reduced: Reduced,
+    modes: Vec<Mode>,
+    scratch: &mut Scratch,
+) -> LcpSolution {
+    let mut impulses = scratch.floats.take();
+    system.spread_into(problem, &reduced.impulses, &mut impulses);
+    scratch.floats.give(reduced.impulses);
+    let mut slacks = scratch.floats.take();
+    problem.remainders_into(&reduced.velocities, &impulses, &mut slacks);
     LcpSolution {
-        slacks: problem.remainders(&reduced.velocities, &impulses),
-        velocities: reduced.velocities.clone(),
+        velocities: reduced.velocities,
         impulses,
-        modes: vec![Mode::Active; problem.rows.len()],
+        slacks,
+        modes,
         stats: SolveStats { factorisations: 1, ..SolveStats::default() },
         system: Some(Arc::clone(system)),
     }

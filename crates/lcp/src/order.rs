@@ -1,28 +1,50 @@
 //! An order of rows in which their matrix is a narrow band.
 
-use crate::Lcp;
 use crate::rows::Touching;
+use crate::{Lcp, Scratch};
 
 /// Below this number of rows a full matrix is as cheap as a band.
 const SMALL: usize = 16;
 
 /// Half-width of the band of the rows in the given order: the greatest distance of two rows that
-/// share a body.
-pub(crate) fn half_width(problem: &Lcp, rows: &[u32]) -> usize {
-    let mut span = vec![(usize::MAX, 0); problem.mass.len()];
-    for (position, &row) in rows.iter().enumerate() {
-        for (body, _) in problem.rows[row as usize].blocks() {
-            let (least, greatest) = span[body];
-            span[body] = (position.min(least), position.max(greatest));
+/// share a body. `first` is working memory.
+pub(crate) fn half_width(problem: &Lcp, rows: &[u32], first: &mut Vec<u32>) -> usize {
+    let bodies = rows.iter().map(|row| problem.rows[*row as usize].bodies);
+    greatest_distance(problem.mass.len(), bodies, first)
+}
+
+/// The same of all rows as they come.
+pub(crate) fn half_width_of_all(problem: &Lcp, first: &mut Vec<u32>) -> usize {
+    greatest_distance(problem.mass.len(), problem.rows.iter().map(|row| row.bodies), first)
+}
+
+fn greatest_distance(
+    count: usize,
+    rows: impl Iterator<Item = [u32; 2]>,
+    first: &mut Vec<u32>,
+) -> usize {
+    first.clear();
+    first.resize(count, u32::MAX);
+    let mut greatest = 0;
+    for (position, bodies) in (0..).zip(rows) {
+        for body in bodies {
+            if let Some(first) = first.get_mut(body as usize) {
+                *first = (*first).min(position);
+                greatest = greatest.max(position - *first);
+            }
         }
     }
-    span.iter().map(|&(least, greatest)| greatest.saturating_sub(least)).max().unwrap_or(0)
+    greatest as usize
 }
 
 /// Orders the rows by reverse Cuthill–McKee on their bodies where that narrows the band; returns
-/// the half-width.
-pub(crate) fn narrow(problem: &Lcp, rows: &mut Vec<u32>) -> usize {
-    let natural = half_width(problem, rows);
+/// the half-width, which is `natural` in the order given.
+pub(crate) fn narrow(
+    problem: &Lcp,
+    rows: &mut Vec<u32>,
+    natural: usize,
+    scratch: &mut Scratch,
+) -> usize {
     if rows.len() <= SMALL || 4 * natural <= SMALL {
         return natural;
     }
@@ -34,7 +56,7 @@ pub(crate) fn narrow(problem: &Lcp, rows: &mut Vec<u32>) -> usize {
         let second = bodies.next().unwrap_or(first);
         (first.max(second), first.min(second), row)
     });
-    let ordered = half_width(problem, &sorted);
+    let ordered = half_width(problem, &sorted, &mut scratch.spans);
     if ordered < natural {
         *rows = sorted;
     }

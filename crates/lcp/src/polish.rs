@@ -7,7 +7,9 @@
 use std::sync::Arc;
 
 use crate::modes::Reading;
-use crate::{ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Reduced, Residual, SolveStats};
+use crate::{
+    ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Reduced, Residual, Scratch, SolveStats,
+};
 
 /// A row keeps its mode while it violates it by less than this, relative to s*.
 const KEEP: f64 = 1e-13;
@@ -90,9 +92,13 @@ impl Polish<'_> {
     /// candidate found if it reaches the target or its residual is below that of the approximate
     /// solution.
     #[must_use]
-    pub fn approximate(&self, approximate: &LcpSolution) -> Option<Polished> {
-        let before = self.problem.residual_in(self.metric, approximate).max();
-        let best = self.read(&approximate.impulses, &approximate.velocities, &RELEASES)?;
+    pub fn approximate(
+        &self,
+        approximate: &LcpSolution,
+        scratch: &mut Scratch,
+    ) -> Option<Polished> {
+        let before = self.problem.residual_with(self.metric, approximate, scratch).max();
+        let best = self.read(&approximate.impulses, &approximate.velocities, &RELEASES, scratch)?;
         (best.max() < before || self.reached(&best)).then_some(best)
     }
 
@@ -102,6 +108,7 @@ impl Polish<'_> {
         impulses: &[f64],
         velocities: &[nalgebra::Vector3<f64>],
         releases: &[f64],
+        scratch: &mut Scratch,
     ) -> Option<Polished> {
         let slacks = self.problem.remainders(velocities, impulses);
         let reading = self.reading(impulses, &slacks);
@@ -112,8 +119,8 @@ impl Polish<'_> {
             if tried.contains(&modes) {
                 continue;
             }
-            tried.push(modes.clone());
-            best = Some(self.modes(modes, Some(impulses)).better(best));
+            best = Some(self.modes(&modes, Some(impulses), scratch).better(best));
+            tried.push(modes);
             if best.as_ref().is_some_and(|best| self.reached(best)) {
                 break;
             }
@@ -152,10 +159,28 @@ impl Polish<'_> {
     /// Block corrections can cycle even for P-matrices (Ben Gharbia & Gilbert 2012); single
     /// corrections of the last violated row cannot (Murty 1974).
     #[must_use]
-    pub fn modes(&self, mut modes: Vec<Mode>, start: Option<&[f64]>) -> Polished {
+    pub fn modes(&self, modes: &[Mode], start: Option<&[f64]>, scratch: &mut Scratch) -> Polished {
+        let first = self.evaluate(modes, start, scratch);
+        let found = if self.reached(&first) {
+            first
+        } else {
+            let corrected = self.corrected(first, modes, start, scratch);
+            self.stiff(corrected, scratch)
+        };
+        self.released(found, scratch)
+    }
+
+    /// The best candidate of a chain of corrections from `best`, which has these modes.
+    fn corrected(
+        &self,
+        mut best: Polished,
+        modes: &[Mode],
+        start: Option<&[f64]>,
+        scratch: &mut Scratch,
+    ) -> Polished {
+        let mut modes = modes.to_vec();
         let mut seen: Vec<Vec<Mode>> = Vec::new();
         let mut single = false;
-        let mut best = self.evaluate(&modes, start);
         let mut last = best.clone();
         let mut factorisations = last.solution.stats.factorisations;
         for _ in 0..self.max_flips {
@@ -172,21 +197,24 @@ impl Polish<'_> {
                 break;
             }
             seen.push(std::mem::replace(&mut modes, next));
-            last = self.evaluate(&modes, start);
+            last = self.evaluate(&modes, start, scratch);
             factorisations += last.solution.stats.factorisations;
             best = last.clone().better(Some(best));
         }
         best.solution.stats.factorisations = factorisations;
-        self.released(self.stiff(best))
+        best
     }
 
     /// The candidate that the modes imply.
-    fn evaluate(&self, modes: &[Mode], start: Option<&[f64]>) -> Polished {
-        let system = Arc::new(ActiveSystem::new(self.problem, self.metric, modes));
-        let least = self.candidate(&system, modes, None);
+    fn evaluate(&self, modes: &[Mode], start: Option<&[f64]>, scratch: &mut Scratch) -> Polished {
+        let mut system = scratch.system();
+        if let Some(system) = Arc::get_mut(&mut system) {
+            system.renew(self.problem, self.metric, modes, scratch);
+        }
+        let least = self.candidate(&system, modes, None, scratch);
         match start {
             Some(start) if system.rank_defect() > 0 && !self.reached(&least) => {
-                self.candidate(&system, modes, Some(start)).better(Some(least))
+                self.candidate(&system, modes, Some(start), scratch).better(Some(least))
             }
             _ => least,
         }
@@ -197,18 +225,22 @@ impl Polish<'_> {
         system: &Arc<ActiveSystem>,
         modes: &[Mode],
         start: Option<&[f64]>,
+        scratch: &mut Scratch,
     ) -> Polished {
-        self.assemble(system, modes, system.solve(self.problem, start))
+        let (velocities, impulses) = (scratch.vectors.take(), scratch.floats.take());
+        let mut reduced = Reduced { velocities, impulses, defect: 0.0 };
+        system.solve_gathered(self.problem, start, scratch, &mut reduced);
+        self.assemble(system, modes, reduced, scratch)
     }
 
     /// Second attempt at a near miss: nearly dependent rows.
-    fn stiff(&self, found: Polished) -> Polished {
+    fn stiff(&self, found: Polished, scratch: &mut Scratch) -> Polished {
         if self.reached(&found) || found.max() > self.near_miss {
             return found;
         }
         let stiff = found.solution.system.as_ref().and_then(|system| {
             let reduced = system.solve_stiff(self.problem)?;
-            Some(self.assemble(system, &found.solution.modes, reduced))
+            Some(self.assemble(system, &found.solution.modes, reduced, scratch))
         });
         match stiff {
             Some(mut stiff) if stiff.max() < found.max() => {
@@ -219,20 +251,30 @@ impl Polish<'_> {
         }
     }
 
-    fn assemble(&self, system: &Arc<ActiveSystem>, modes: &[Mode], reduced: Reduced) -> Polished {
+    fn assemble(
+        &self,
+        system: &Arc<ActiveSystem>,
+        modes: &[Mode],
+        reduced: Reduced,
+        scratch: &mut Scratch,
+    ) -> Polished {
         let problem = self.problem;
-        let mut impulses = system.spread(problem, &reduced.impulses);
+        let mut impulses = scratch.floats.take();
+        system.spread_into(problem, &reduced.impulses, &mut impulses);
+        scratch.floats.give(reduced.impulses);
         self.lift(&mut impulses);
-        let slacks = problem.remainders(&reduced.velocities, &impulses);
+        let (mut slacks, mut own_modes) = (scratch.floats.take(), scratch.modes.take());
+        problem.remainders_into(&reduced.velocities, &impulses, &mut slacks);
+        list_effective(problem, modes, &mut own_modes);
         let solution = LcpSolution {
             velocities: reduced.velocities,
             impulses,
             slacks,
-            modes: effective(problem, modes),
+            modes: own_modes,
             stats: SolveStats { factorisations: 1, ..SolveStats::default() },
             system: Some(Arc::clone(system)),
         };
-        let residual = problem.residual_in(self.metric, &solution);
+        let residual = problem.residual_with(self.metric, &solution, scratch);
         Polished { solution, residual }
     }
 
@@ -251,20 +293,30 @@ impl Polish<'_> {
 
     /// Prefers the released mode of weakly active rows: contacts without impulse are open, friction
     /// and motors on their bound slide. Kept only if it solves the problem as well.
-    fn released(&self, found: Polished) -> Polished {
+    fn released(&self, found: Polished, scratch: &mut Scratch) -> Polished {
         if !self.reached(&found) {
             return found;
         }
-        let Some(modes) = self.released_modes(&found.solution) else { return found };
-        let mut released = self.evaluate(&modes, Some(&found.solution.impulses));
+        let mut modes = scratch.modes.take();
+        if !self.list_released(&found.solution, &mut modes) {
+            scratch.modes.give(modes);
+            return found;
+        }
+        let mut released = self.evaluate(&modes, Some(&found.solution.impulses), scratch);
+        scratch.modes.give(modes);
         released.solution.stats.factorisations += found.solution.stats.factorisations;
-        if self.reached(&released) { released } else { found }
+        let (kept, dropped) =
+            if self.reached(&released) { (released, found) } else { (found, released) };
+        scratch.recycle(dropped.solution);
+        kept
     }
 
-    fn released_modes(&self, solution: &LcpSolution) -> Option<Vec<Mode>> {
-        let mut modes = solution.modes.clone();
+    /// The released modes; whether they are others.
+    fn list_released(&self, solution: &LcpSolution, modes: &mut Vec<Mode>) -> bool {
+        modes.extend_from_slice(&solution.modes);
+        let mut changes = false;
         for (i, row) in self.problem.rows.iter().enumerate() {
-            if modes[i] != Mode::Active {
+            if modes[i] != Mode::Active || row.law == Law::Equality {
                 continue;
             }
             let y = self.metric.impulse(i, solution.impulses[i]);
@@ -283,8 +335,9 @@ impl Polish<'_> {
                 }
                 _ => Mode::Active,
             };
+            changes |= modes[i] != Mode::Active;
         }
-        (modes != solution.modes).then_some(modes)
+        changes
     }
 
     fn reading<'b>(&'b self, impulses: &'b [f64], slacks: &'b [f64]) -> Reading<'b> {
@@ -302,7 +355,7 @@ fn last_correction(modes: &[Mode], next: &[Mode]) -> Vec<Mode> {
 }
 
 /// The modes that the reduced system really has: equalities active, friction of open contacts open.
-fn effective(problem: &Lcp, modes: &[Mode]) -> Vec<Mode> {
+fn list_effective(problem: &Lcp, modes: &[Mode], effective: &mut Vec<Mode>) {
     let mode = |(row, &mode): (&crate::Row, &Mode)| match row.law {
         Law::Equality => Mode::Active,
         Law::Unilateral => {
@@ -321,5 +374,5 @@ fn effective(problem: &Lcp, modes: &[Mode]) -> Vec<Mode> {
             }
         }
     };
-    problem.rows.iter().zip(modes).map(mode).collect()
+    effective.extend(problem.rows.iter().zip(modes).map(mode));
 }

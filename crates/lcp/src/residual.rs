@@ -1,22 +1,14 @@
 //! How far a candidate is from solving the problem, free of units.
 //!
 //! ```text
-//!  Wᵢᵢ = Jᵢ M⁻¹ Jᵢᵀ + cᵢ       ŷᵢ = λᵢ √Wᵢᵢ       ûᵢ = uᵢ / √Wᵢᵢ       ĥᵢ = hᵢ √Wᵢᵢ      √J each
-//!  s* = max( max_k |p_k|/√M_kk , max_i |bᵢ|/√Wᵢᵢ )
-//!
 //!  momentum     max_k |M v − Jᵀ λ − p|_k / (√M_kk s* + 10⁻⁴ Σᵢ |Jᵢₖ λᵢ|)
 //!  equality     |û| / s*
 //!  unilateral   |min(ŷ, û)| / s*
 //!  bounded      |ŷ − clip(ŷ − û, ±ĥ)| / s*
 //! ```
 //!
-//! ŷ, û and s* are square roots of energies: the quotients do not change with the units of length,
-//! mass or time, and no mass ratio weighs them. 0/0 counts as 0, and so does a defect too small for
-//! normal numbers: what a sticking contact lets through gets there after some twenty steps.
-//!
-//! Masses are counted in the largest power of two that the greatest of them reaches, μ: a mass M is
-//! M/μ, an impulse λ/μ, a weight μ Wᵢᵢ. Nothing else would make the square roots the same to the last
-//! bit when the unit of mass changes by an odd power of two.
+//! in the units of [`Metric`]. 0/0 counts as 0, and so does a defect too small for normal numbers: what
+//! a sticking contact lets through gets there after some twenty steps.
 //!
 //! Impulses of heavy neighbours on a light body cancel to the last digit only, which no candidate can
 //! avoid: hence the share of 10⁻⁴, with which a residual of 10⁻¹⁰ allows their rounding and no more.
@@ -26,7 +18,8 @@
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::{Law, Lcp, LcpSolution};
+use crate::metric::quotient;
+use crate::{Law, Lcp, LcpSolution, Metric, Scratch};
 
 /// The natural residual, part by part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -53,97 +46,8 @@ impl Residual {
     }
 }
 
-/// The mass-weighted units of one problem: computed once, used by every residual and mode reading.
-#[derive(Clone, Debug)]
-pub struct Metric {
-    /// √(μ Wᵢᵢ) per row.
-    root: Vec<f64>,
-    /// μ, the unit of mass.
-    unit: f64,
-    /// s*, the problem's own scale.
-    pub scale: f64,
-}
-
 /// Share of the impulses on a body that its momentum defect is relative to.
 const ROUNDING: f64 = 1e-4;
-
-impl Metric {
-    /// The metric of `problem`.
-    #[must_use]
-    pub fn new(problem: &Lcp) -> Self {
-        let unit = power_of_two(problem.mass.iter().fold(0.0, |most: f64, m| most.max(m.x)));
-        let root = |row| (problem.row_weight(row) * unit).sqrt();
-        let root: Vec<f64> = (0..problem.rows.len()).map(root).collect();
-        let mut metric = Self { root, unit, scale: 0.0 };
-        for (p, m) in problem.momentum.iter().zip(&problem.mass) {
-            for k in 0..3 {
-                metric.scale = metric.scale.max(metric.momentum(p[k], m[k]).abs());
-            }
-        }
-        for (row, b) in problem.rows.iter().enumerate() {
-            metric.scale = metric.scale.max(metric.remainder(row, b.rhs).abs());
-        }
-        metric
-    }
-
-    /// √(μ Wᵢᵢ) of a row.
-    #[must_use]
-    pub fn root(&self, row: usize) -> f64 {
-        self.root[row]
-    }
-
-    /// μ, the unit of mass, kg.
-    #[must_use]
-    pub fn unit(&self) -> f64 {
-        self.unit
-    }
-
-    /// ŷ of a row's impulse.
-    #[must_use]
-    pub fn impulse(&self, row: usize, impulse: f64) -> f64 {
-        impulse * self.root[row] / self.unit
-    }
-
-    /// The impulse of a row's ŷ, N·s or N·m·s.
-    #[must_use]
-    pub fn true_impulse(&self, row: usize, impulse: f64) -> f64 {
-        impulse * self.unit / self.root[row]
-    }
-
-    /// û of a row's remainder.
-    #[must_use]
-    pub fn remainder(&self, row: usize, remainder: f64) -> f64 {
-        remainder / self.root[row]
-    }
-
-    /// p/√M of one coordinate.
-    #[must_use]
-    pub fn momentum(&self, momentum: f64, mass: f64) -> f64 {
-        momentum / (self.unit * mass).sqrt()
-    }
-
-    /// The velocity of one coordinate from √M v, m/s or rad/s.
-    #[must_use]
-    pub fn true_velocity(&self, velocity: f64, mass: f64) -> f64 {
-        velocity * self.unit / (self.unit * mass).sqrt()
-    }
-
-    /// A defect divided by the scale; NaN counts as infinite, 0/0 as 0.
-    pub(crate) fn relative(&self, defect: f64) -> f64 {
-        quotient(defect, self.scale)
-    }
-
-    /// The bound ĥ of a bounded or friction row, from the impulses as they are.
-    pub(crate) fn bound(&self, law: Law, row: usize, impulses: &[f64]) -> f64 {
-        match law {
-            Law::Bounded { max } => self.impulse(row, max),
-            Law::Friction { normal, mu } => {
-                self.impulse(row, mu * impulses[normal as usize].max(0.0))
-            }
-            Law::Equality | Law::Unilateral => f64::INFINITY,
-        }
-    }
-}
 
 impl Lcp {
     /// Natural residual of a candidate. Uses its velocities and impulses only: slacks and modes are
@@ -162,11 +66,20 @@ impl Lcp {
     /// If the candidate's lists are not as long as the problem's.
     #[must_use]
     pub fn residual_in(&self, metric: &Metric, solution: &LcpSolution) -> Residual {
+        self.residual_with(metric, solution, &mut Scratch::default())
+    }
+
+    pub(crate) fn residual_with(
+        &self,
+        metric: &Metric,
+        solution: &LcpSolution,
+        scratch: &mut Scratch,
+    ) -> Residual {
         let (v, impulses) = (&solution.velocities, &solution.impulses);
         assert_eq!(v.len(), self.mass.len(), "a velocity per body");
         assert_eq!(impulses.len(), self.rows.len(), "an impulse per row");
-        let mut residual =
-            Residual { momentum: self.momentum_defect(metric, solution), ..Residual::default() };
+        let momentum = self.momentum_defect(metric, solution, scratch);
+        let mut residual = Residual { momentum, ..Residual::default() };
         for (i, row) in self.rows.iter().enumerate() {
             let remainder = row.velocity(v) + row.compliance * impulses[i] - row.rhs;
             let (y, u) = (metric.impulse(i, impulses[i]), metric.remainder(i, remainder));
@@ -186,41 +99,35 @@ impl Lcp {
         residual
     }
 
-    fn momentum_defect(&self, metric: &Metric, solution: &LcpSolution) -> f64 {
-        let mut balance = self.momentum.clone();
-        let mut impulses = vec![Vector3::zeros(); balance.len()];
+    fn momentum_defect(
+        &self,
+        metric: &Metric,
+        solution: &LcpSolution,
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let mut balance = scratch.vectors.take();
+        balance.extend_from_slice(&self.momentum);
+        let mut acting = scratch.vectors.filled(balance.len(), Vector3::zeros());
         for (row, impulse) in self.rows.iter().zip(&solution.impulses) {
             for (body, J) in row.blocks() {
-                balance[body] += J * *impulse;
-                impulses[body] += (J * *impulse).abs();
+                let change = J * *impulse;
+                balance[body] += change;
+                acting[body] += change.abs();
             }
         }
         let mut worst = 0.0_f64;
         for (body, (m, v)) in self.mass.iter().zip(&solution.velocities).enumerate() {
+            let defect = m.component_mul(v) - balance[body];
+            let defect = metric.weighted_momentum(body, &defect);
+            let acting = metric.weighted_momentum(body, &acting[body]);
             for k in 0..3 {
-                let defect = metric.momentum(m[k] * v[k] - balance[body][k], m[k]).abs();
-                let acting = metric.momentum(impulses[body][k], m[k]);
-                worst = worst.max(quotient(defect, metric.scale + ROUNDING * acting));
+                let scale = metric.scale + ROUNDING * acting[k];
+                worst = worst.max(quotient(defect[k].abs(), scale));
             }
         }
+        scratch.vectors.give(balance);
+        scratch.vectors.give(acting);
         worst
-    }
-}
-
-/// The largest power of two up to a positive number; 1 where there is none.
-fn power_of_two(x: f64) -> f64 {
-    let exponent = f64::from_bits(x.to_bits() & f64::INFINITY.to_bits());
-    if exponent.is_normal() { exponent } else { 1.0 }
-}
-
-/// Defect over scale; NaN counts as infinite, 0/0 and what is too small for normal numbers as 0.
-fn quotient(defect: f64, scale: f64) -> f64 {
-    if defect < f64::MIN_POSITIVE {
-        0.0
-    } else if defect.is_finite() {
-        defect / scale
-    } else {
-        f64::INFINITY
     }
 }
 

@@ -11,66 +11,99 @@
 
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::delassus::Scaling;
-use crate::{Fold, Lcp, pseudo_inverse};
+use crate::active_system::relative;
+use crate::equations::{Equations, Side};
+use crate::{Reduced, pseudo_inverse};
 
 const ALPHA: f64 = 1e-7;
 /// Singular values below this count as zero.
 const DEPENDENT: f64 = 1e-12;
 /// Above this many unknowns there is no second attempt.
 const MOST_UNKNOWNS: usize = 200;
+const SWEEPS: usize = 3;
+
+/// Solves for (v, ŷ) from (p/μ, b̂) in a few sweeps; `None` if the system is too large or the
+/// decomposition fails.
+pub(crate) fn solve(
+    equations: &Equations,
+    side: Side,
+    momentum: &[Vector3<f64>],
+    rhs: &[f64],
+) -> Option<Reduced> {
+    let saddle = Saddle::new(equations)?;
+    let (bodies, slots) = (momentum.len(), rhs.len());
+    let roots: Vec<Vector3<f64>> = equations.mass.iter().map(|mass| mass.map(f64::sqrt)).collect();
+    let mut v = vec![Vector3::zeros(); bodies + 1];
+    let mut y = vec![0.0; slots];
+    let mut r = vec![0.0; slots];
+    for _ in 0..SWEEPS {
+        let mut balance = momentum.to_vec();
+        balance.push(Vector3::zeros());
+        equations.add_impulses(side, &y, &mut balance);
+        equations.remainder(side, rhs, &v, &y, &mut r);
+        let mut right = DVector::zeros(3 * bodies + slots);
+        for body in 0..bodies {
+            let defect = balance[body] - equations.mass[body].component_mul(&v[body]);
+            right.fixed_rows_mut::<3>(3 * body).copy_from(&defect.component_div(&roots[body]));
+        }
+        right.rows_mut(3 * bodies, slots).copy_from_slice(&r);
+        let step = match side {
+            Side::Forward => saddle.solve(&right),
+            Side::Transposed => saddle.solve_transpose(&right),
+        };
+        for body in 0..bodies {
+            v[body] += step.fixed_rows::<3>(3 * body).component_div(&roots[body]);
+        }
+        y.iter_mut().zip(step.rows(3 * bodies, slots).iter()).for_each(|(y, dy)| *y += dy);
+    }
+    let defect = equations.remainder(side, rhs, &v, &y, &mut r);
+    v.truncate(bodies);
+    let defect = relative(defect, equations.scale(momentum, rhs));
+    Some(Reduced { velocities: v, impulses: y, defect })
+}
 
 /// Pseudo-inverse in mass-weighted unknowns (v̂, ŷ).
-pub(crate) struct Saddle {
+struct Saddle {
     inverse: DMatrix<f64>,
     unknowns: usize,
 }
 
 impl Saddle {
-    /// `None` if the problem is too large or the decomposition fails.
-    pub(crate) fn new(
-        problem: &Lcp,
-        rows: &[u32],
-        folds: &[Fold],
-        scaling: &Scaling,
-    ) -> Option<Self> {
-        let (n, m) = (3 * problem.mass.len(), rows.len());
+    fn new(equations: &Equations) -> Option<Self> {
+        let (n, m) = (3 * equations.mass.len(), equations.rows.len());
         if n + m > MOST_UNKNOWNS {
             return None;
         }
         let mut K = DMatrix::zeros(n + m, n + m);
         K.view_mut((0, 0), (n, n)).fill_diagonal(ALPHA);
-        let mut add = |row: u32, slot: usize, coefficient: f64, in_B: bool| {
-            for (body, J) in problem.rows[row as usize].blocks() {
+        let mut add = |bodies: [u32; 2], jacobian: [Vector3<f64>; 2], slot: usize, in_B: bool| {
+            for (body, J) in bodies.into_iter().zip(jacobian) {
+                let Some(mass) = equations.mass.get(body as usize) else { continue };
                 for k in 0..3 {
-                    let root = (scaling.unit * problem.mass[body][k]).sqrt();
-                    let scaled = scaling.to_impulse[slot] * J[k] / root;
-                    K[(3 * body + k, n + slot)] -= coefficient * scaled;
+                    let (unknown, scaled) = (3 * body as usize + k, J[k] / mass[k].sqrt());
+                    K[(unknown, n + slot)] -= scaled;
                     if in_B {
-                        K[(n + slot, 3 * body + k)] += scaled;
+                        K[(n + slot, unknown)] += scaled;
                     }
                 }
             }
         };
-        for (slot, &row) in rows.iter().enumerate() {
-            add(row, slot, 1.0, true);
+        for (slot, row) in equations.rows.iter().enumerate() {
+            add(row.bodies, row.jacobian, slot, true);
         }
-        for fold in folds {
-            add(fold.row, fold.column as usize, fold.coefficient, false);
+        for fold in &equations.folds {
+            add(fold.bodies, fold.jacobian, fold.column as usize, false);
         }
-        for (slot, &row) in rows.iter().enumerate() {
-            let compliance = problem.rows[row as usize].compliance
-                * scaling.of_remainder[slot]
-                * scaling.to_impulse[slot];
-            K[(n + slot, n + slot)] += compliance / ALPHA;
+        for (slot, row) in equations.rows.iter().enumerate() {
+            K[(n + slot, n + slot)] += row.compliance / ALPHA;
         }
         Some(Self { inverse: pseudo_inverse(&K, DEPENDENT)?, unknowns: n })
     }
 
     /// (v̂, ŷ) from (p̂, b̂).
-    pub(crate) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
         let mut right = right.clone();
         right.rows_mut(0, self.unknowns).scale_mut(ALPHA);
         self.unscale_impulses(&self.inverse * right)
@@ -81,7 +114,7 @@ impl Saddle {
     /// ```text
     ///  K = L K₀ D with L = diag(α, 1), D = diag(1, 1/α):   K₀⁻ᵀ = L K⁻ᵀ D
     /// ```
-    pub(crate) fn solve_transpose(&self, right: &DVector<f64>) -> DVector<f64> {
+    fn solve_transpose(&self, right: &DVector<f64>) -> DVector<f64> {
         let scaled = {
             let mut right = right.clone();
             let impulses = right.len() - self.unknowns;

@@ -29,7 +29,9 @@ pub enum Method {
     /// Equalities only, or nothing at all: one linear solve.
     #[default]
     Linear,
-    /// Modes that were guessed, or read at the free velocities, and corrected.
+    /// The modes of the step before, corrected where need be.
+    Warm,
+    /// Modes read at the free velocities, and corrected.
     ActiveSet,
     /// An interior point, or a fixed point of convex programs, and the modes that it showed.
     InteriorPoint,

@@ -1,6 +1,9 @@
 //! The one trait that every backend implements.
 
-use crate::{Lcp, LcpError, LcpSolution, Mode, Residual, solve_linear};
+use crate::linear::solve_linear_in;
+use crate::{
+    Lcp, LcpError, LcpSolution, Method, Metric, Mode, Polish, Polished, Residual, Scratch,
+};
 
 /// A starting guess, from the step before or from the caller; it never changes what is accepted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -9,28 +12,6 @@ pub struct Guess {
     pub modes: Vec<Mode>,
     /// Impulses per row.
     pub impulses: Vec<f64>,
-}
-
-/// Buffers that survive between solves so that they need not be allocated again; their content
-/// never changes a result.
-#[derive(Debug, Default)]
-pub struct Scratch {
-    buffers: Vec<Vec<f64>>,
-}
-
-impl Scratch {
-    /// A zeroed buffer of `len` numbers.
-    pub fn take(&mut self, len: usize) -> Vec<f64> {
-        let mut buffer = self.buffers.pop().unwrap_or_default();
-        buffer.clear();
-        buffer.resize(len, 0.0);
-        buffer
-    }
-
-    /// Gives a buffer back for later use.
-    pub fn give(&mut self, buffer: Vec<f64>) {
-        self.buffers.push(buffer);
-    }
 }
 
 /// Solves mixed complementarity problems: a pure function of problem, settings and guess.
@@ -50,8 +31,15 @@ pub trait LcpSolver: Send + Sync {
     ) -> Result<LcpSolution, LcpError>;
 }
 
+/// Corrections of a guess's modes before the solver is asked.
+const WARM_FLIPS: u32 = 8;
+/// Natural residual at which a guess counts as confirmed.
+const WARM_TARGET: f64 = 1e-12;
+
 /// Solves and judges: the solution with its natural residual, which is at most `tolerance`.
-/// Problems without inequalities never reach the solver.
+///
+/// Problems without inequalities never reach the solver, nor do those that a guess solves: its modes,
+/// corrected a few times, give an exact solution or none.
 ///
 /// # Errors
 /// What the solver reports, or [`LcpError::Rejected`] if the residual does not confirm its answer.
@@ -62,16 +50,51 @@ pub fn solve_checked(
     scratch: &mut Scratch,
     tolerance: f64,
 ) -> Result<(LcpSolution, Residual), LcpError> {
-    let solution = if problem.is_linear() {
-        solve_linear(problem)?
-    } else {
-        solver.solve(problem, guess, scratch)?
-    };
-    let residual = problem.residual(&solution);
+    problem.validate()?;
+    let metric = scratch.metric(problem);
+    let answer = answer(solver, problem, guess, &metric, scratch);
+    scratch.give_metric(metric);
+    let (solution, residual) = answer?;
     if residual.max() <= tolerance {
         Ok((solution, residual))
     } else {
         let (solver, residual) = (solver.name(), residual.max());
         Err(LcpError::Rejected { solver, residual, tolerance })
     }
+}
+
+fn answer(
+    solver: &dyn LcpSolver,
+    problem: &Lcp,
+    guess: Option<&Guess>,
+    metric: &Metric,
+    scratch: &mut Scratch,
+) -> Result<(LcpSolution, Residual), LcpError> {
+    let solution = if problem.is_linear() {
+        solve_linear_in(problem, metric, scratch)?
+    } else if let Some(warm) = guess.and_then(|guess| warm(problem, metric, guess, scratch)) {
+        return Ok((warm.solution, warm.residual));
+    } else {
+        solver.solve(problem, None, scratch)?
+    };
+    let residual = problem.residual_with(metric, &solution, scratch);
+    Ok((solution, residual))
+}
+
+/// The solution that a guess leads to.
+fn warm(problem: &Lcp, metric: &Metric, guess: &Guess, scratch: &mut Scratch) -> Option<Polished> {
+    let rows = problem.rows.len();
+    if guess.modes.len() != rows {
+        return None;
+    }
+    let usable = guess.impulses.len() == rows && guess.impulses.iter().all(|y| y.is_finite());
+    let start = usable.then_some(&guess.impulses[..]);
+    let polish = Polish::new(problem, metric, WARM_TARGET, WARM_FLIPS);
+    let mut found = polish.modes(&guess.modes, start, scratch);
+    found.solution.stats.method = Method::Warm;
+    if polish.reached(&found) {
+        return Some(found);
+    }
+    scratch.recycle(found.solution);
+    None
 }

@@ -17,7 +17,7 @@
 //! once against the bound that it left. Then it slides the other way; and a contact that may not close
 //! with its friction against the slip is closed sticking, or with its friction along.
 
-use crate::{ActiveSystem, Law, LcpSolution, Metric, Mode, Polish, Polished, Sweeps};
+use crate::{ActiveSystem, Law, LcpSolution, Metric, Mode, Polish, Polished, Scratch, Sweeps};
 
 /// Rows keep their modes while they violate them by less than this, relative to s*.
 const KEEP: f64 = 1e-12;
@@ -58,12 +58,15 @@ const MOST_STEPS: usize = 300;
 
 /// What walks from more and more sweeps of projected Gauss–Seidel end in, each from where the other
 /// is, with the factorisations that it took.
-pub fn walks(polish: Polish<'_>) -> impl Iterator<Item = (Option<Polished>, u32)> {
+pub fn walks<'a>(
+    polish: Polish<'a>,
+    scratch: &'a mut Scratch,
+) -> impl Iterator<Item = (Option<Polished>, u32)> + use<'a> {
     let mut sweeps = Sweeps::new(polish.problem);
     (0..ROUNDS).map(move |_| {
         (0..SWEEPS).for_each(|_| sweeps.sweep());
         let mut walk = Walk::new(polish, &sweeps.approximate());
-        let candidate = walk.run(MOST_STEPS);
+        let candidate = walk.run(MOST_STEPS, scratch);
         sweeps = Sweeps::from(polish.problem, walk.impulses().to_vec());
         (candidate, walk.factorisations())
     })
@@ -98,7 +101,7 @@ impl<'a> Walk<'a> {
 
     /// Walks until no row is violated, and polishes; `None` after `most` steps, or where no mode of a
     /// row leads on.
-    pub fn run(&mut self, most: usize) -> Option<Polished> {
+    pub fn run(&mut self, most: usize, scratch: &mut Scratch) -> Option<Polished> {
         for step in 0..most {
             let system = ActiveSystem::new(self.polish.problem, self.polish.metric, &self.modes);
             self.factorisations += 1;
@@ -115,7 +118,7 @@ impl<'a> Walk<'a> {
             // One at a time, and after a while the last one, which cannot cycle (Murty 1974).
             match self.violated(&slacks, step > most / 2) {
                 Violated::None => {
-                    return Some(self.polish.modes(self.modes.clone(), Some(&self.impulses)));
+                    return Some(self.polish.modes(&self.modes, Some(&self.impulses), scratch));
                 }
                 Violated::Row(row) => self.close(row, &slacks),
                 Violated::AllTried => return None,

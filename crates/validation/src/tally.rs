@@ -52,6 +52,7 @@ impl Tally {
             Method::InteriorPoint => "interior point",
             Method::Walk => "walks along active sets",
             Method::Pivoting => "pivoting",
+            Method::Warm => "modes of the step before",
             Method::Enumeration => "modes in doubt, one after another",
         }
     }

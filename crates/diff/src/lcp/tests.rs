@@ -1,7 +1,7 @@
 //! Known derivatives (V25, V31, V33), the two modes against each other and against differences.
 
 use nalgebra::Vector3;
-use tangency_lcp::{Law, Lcp, LcpSolution, Metric, Mode, NO_BODY, Polish, Row};
+use tangency_lcp::{Law, Lcp, LcpSolution, Metric, Mode, NO_BODY, Polish, Row, Scratch};
 
 use super::{LcpGradientReport, LcpVector, WeakKind, lcp_jvp, lcp_vjp};
 
@@ -24,7 +24,8 @@ fn try_solve(problem: &Lcp) -> Option<LcpSolution> {
     problem.validate().expect("valid");
     let metric = Metric::new(problem);
     let polish = Polish::new(problem, &metric, 1e-12, 60);
-    let candidates = [false, true].map(|slide| polish.modes(polish.cold_modes(slide), None));
+    let candidates = [false, true]
+        .map(|slide| polish.modes(&polish.cold_modes(slide), None, &mut Scratch::default()));
     candidates.into_iter().find(|found| found.max() <= 1e-12).map(|found| found.solution)
 }
 

@@ -1,6 +1,6 @@
 //! The active-set loop on problems with known answers.
 
-use tangency_lcp::{Law, LcpSolution, Metric, Mode, Polish, WeakKind};
+use tangency_lcp::{Law, LcpSolution, Metric, Mode, Polish, Scratch, WeakKind};
 
 use crate::problems::{V, body, disc, near, row, solve, supported};
 
@@ -54,7 +54,7 @@ fn weak_rows_are_released_from_either_side() {
     let metric = Metric::new(&problem);
     let polish = Polish::new(&problem, &metric, 1e-12, 8);
     for modes in [[Mode::Active; 2], [Mode::Active, Mode::Lower], [Mode::Open; 2]] {
-        let found = polish.modes(modes.to_vec(), None);
+        let found = polish.modes(&modes, None, &mut Scratch::default());
         assert_eq!(found.solution.modes, [Mode::Open; 2]);
         assert_eq!(found.max(), 0.0);
     }
@@ -100,8 +100,12 @@ fn approximate_solutions_become_exact() {
     rough.impulses.iter_mut().for_each(|impulse| *impulse *= 1.02);
     let metric = Metric::new(&problem);
     let polish = Polish::new(&problem, &metric, 1e-12, 8);
-    let found = polish.approximate(&rough).expect("the residual drops");
+    let found = polish.approximate(&rough, &mut Scratch::default()).expect("the residual drops");
     assert!(found.max() <= 1e-14);
     near(found.solution.velocities[0].as_slice(), exact.velocities[0].as_slice(), 1e-14);
-    assert!(polish.approximate(&exact).is_none_or(|again| again.max() <= 1e-14));
+    assert!(
+        polish
+            .approximate(&exact, &mut Scratch::default())
+            .is_none_or(|again| again.max() <= 1e-14)
+    );
 }

@@ -1,7 +1,7 @@
 //! Small problems with known answers.
 
 use nalgebra::Vector3;
-use tangency_lcp::{Law, Lcp, LcpSolution, Metric, NO_BODY, Polish, Row};
+use tangency_lcp::{Law, Lcp, LcpSolution, Metric, NO_BODY, Polish, Row, Scratch};
 
 pub(crate) type V = Vector3<f64>;
 
@@ -85,7 +85,8 @@ pub(crate) fn solve(problem: &Lcp) -> LcpSolution {
     problem.validate().expect("valid");
     let metric = Metric::new(problem);
     let polish = Polish::new(problem, &metric, 1e-12, 60);
-    let candidates = [false, true].map(|slide| polish.modes(polish.cold_modes(slide), None));
+    let candidates = [false, true]
+        .map(|slide| polish.modes(&polish.cold_modes(slide), None, &mut Scratch::default()));
     let found = candidates.into_iter().find(|found| polish.reached(found));
     found.expect("the active-set loop solves it").solution
 }

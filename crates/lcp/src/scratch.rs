@@ -1,0 +1,64 @@
+//! Memory that survives between solves.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::block_factor::Block;
+use crate::equations::Equations;
+use crate::pattern::Patterns;
+use crate::pool::Pool;
+use crate::{ActiveSystem, Lcp, LcpSolution, Metric, Mode};
+
+/// Buffers that survive between solves so that they need not be allocated again; their content
+/// never changes a result.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    pub(crate) floats: Pool<f64>,
+    pub(crate) vectors: Pool<Vector3<f64>>,
+    pub(crate) indices: Pool<u32>,
+    pub(crate) modes: Pool<Mode>,
+    pub(crate) blocks: Pool<Block>,
+    pub(crate) equations: Equations,
+    pub(crate) spans: Vec<u32>,
+    systems: Vec<Arc<ActiveSystem>>,
+    metrics: Vec<Metric>,
+    patterns: Patterns,
+}
+
+impl Scratch {
+    /// Takes the memory of a solution that is needed no more.
+    pub fn recycle(&mut self, solution: LcpSolution) {
+        self.vectors.give(solution.velocities);
+        self.floats.give(solution.impulses);
+        self.floats.give(solution.slacks);
+        self.modes.give(solution.modes);
+        if let Some(system) = solution.system {
+            self.give_system(system);
+        }
+    }
+
+    /// An active system of whatever came before.
+    pub(crate) fn system(&mut self) -> Arc<ActiveSystem> {
+        self.systems.pop().unwrap_or_default()
+    }
+
+    /// Keeps an active system's memory if nobody else has it.
+    pub(crate) fn give_system(&mut self, mut system: Arc<ActiveSystem>) {
+        if Arc::get_mut(&mut system).is_some() {
+            self.systems.push(system);
+        }
+    }
+
+    /// The metric of a problem.
+    pub fn metric(&mut self, problem: &Lcp) -> Metric {
+        let mut metric = self.metrics.pop().unwrap_or_default();
+        metric.renew(problem, &mut self.patterns);
+        metric
+    }
+
+    /// Takes a metric's memory.
+    pub fn give_metric(&mut self, metric: Metric) {
+        self.metrics.push(metric);
+    }
+}
