@@ -30,6 +30,9 @@ const MAX_SWEEPS: usize = 40;
 const STALLED: f64 = 0.8;
 /// Defects, relative to the right-hand side, that are rounding.
 const ROUNDING: f64 = 2e-16;
+/// Sweeps converge linearly: what the next one would find below this, relative to the right-hand side,
+/// is not looked at.
+const SURE: f64 = 1e-18;
 /// Above this defect the dense system is tried.
 const STIFF: f64 = 1e-11;
 
@@ -327,11 +330,16 @@ impl ActiveSystem {
             if defect <= ROUNDING * scale || (sweep >= 2 && defect > STALLED * previous) {
                 break;
             }
-            previous = defect;
             self.factor.solve(side, &equations, &mut r, scratch);
             y.iter_mut().zip(&r).for_each(|(y, dy)| *y += dy);
             equations.add_impulses(side, &r, &mut z);
             equations.advance(&mut z, v);
+            let ahead = defect * (defect / previous);
+            if sweep > 0 && ahead <= SURE * scale {
+                defect = ahead;
+                break;
+            }
+            previous = defect;
         }
         v.truncate(bodies);
         found.defect = relative(defect, scale);

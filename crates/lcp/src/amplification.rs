@@ -16,6 +16,21 @@ use nalgebra::Vector3;
 use crate::{Law, Lcp, LcpSolution, Row};
 
 impl Lcp {
+    /// Whether [`amplification`](Self::amplification) is at most `bound`, by the bodies alone where that
+    /// tells.
+    #[must_use]
+    pub fn is_calm(&self, solution: &LcpSolution, bound: f64) -> bool {
+        let energy = |v: &Vector3<f64>, ratio: f64| v.xy().norm_squared().max(v.z * v.z * ratio);
+        let (mut before, mut after) = (0.0_f64, 0.0_f64);
+        for ((m, p), v) in self.mass.iter().zip(&self.momentum).zip(&solution.velocities) {
+            let inverse = m.x.recip();
+            before = before.max(p.xy().norm_squared() * (inverse * inverse));
+            before = before.max(p.z * p.z / m.z * inverse);
+            after = after.max(energy(v, m.z * inverse));
+        }
+        after <= bound * bound * before || self.amplification(solution) <= bound
+    }
+
     /// The greatest speed over what drives it; 0 where nothing moves.
     #[must_use]
     pub fn amplification(&self, solution: &LcpSolution) -> f64 {

@@ -1,4 +1,4 @@
-//! Square band matrices and their factorisations, LU with partial pivoting and Cholesky.
+//! Square band matrices and their LU factorisation with partial pivoting.
 //!
 //! Rows of a planar contact problem couple only where they share a body. In a good order (chains and
 //! stacks come in one) their matrices are narrow bands; a full matrix is the band of width n. One
@@ -11,7 +11,7 @@ pub struct BandMatrix {
     lower: usize,
     stride: usize,
     offset: usize,
-    data: Vec<f64>,
+    pub(crate) data: Vec<f64>,
 }
 
 impl BandMatrix {
@@ -65,7 +65,12 @@ impl BandMatrix {
         self.lower
     }
 
-    fn at(&self, i: usize, j: usize) -> usize {
+    /// Entries per row where the lower triangle is stored row after row; 0 where it is not.
+    pub(crate) fn narrow_width(&self) -> usize {
+        if self.offset == self.lower && self.stride == self.lower { self.lower + 1 } else { 0 }
+    }
+
+    pub(crate) fn at(&self, i: usize, j: usize) -> usize {
         i * self.stride + self.offset + j
     }
 
@@ -144,7 +149,7 @@ fn long_dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// target −= factor · source.
-fn subtract(target: &mut [f64], factor: f64, source: &[f64]) {
+pub(crate) fn subtract(target: &mut [f64], factor: f64, source: &[f64]) {
     for (t, s) in target.iter_mut().zip(source) {
         *t -= factor * s;
     }
@@ -266,74 +271,5 @@ fn eliminate(matrix: &mut BandMatrix, k: usize, below: usize, last: &mut [u32]) 
         let (head, tail) = matrix.data.split_at_mut(at + 1);
         subtract(&mut tail[..end - k - 1], factor, &head[source..source + end - k - 1]);
         last[i] = last[i].max(last[k]);
-    }
-}
-
-/// A = L Lᵀ inside the envelope.
-#[derive(Clone, Debug)]
-pub struct Cholesky {
-    matrix: BandMatrix,
-    first: Vec<u32>,
-    inverse: Vec<f64>,
-}
-
-impl Cholesky {
-    /// Factors; squared pivots smaller than `floor` are replaced by it.
-    #[must_use]
-    pub fn new(matrix: BandMatrix, floor: f64) -> Self {
-        Self::in_memory(matrix, floor, (Vec::new(), Vec::new()))
-    }
-
-    /// The same in memory that is used again.
-    #[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
-    pub(crate) fn in_memory(
-        mut matrix: BandMatrix,
-        floor: f64,
-        (mut first, mut inverse): (Vec<u32>, Vec<f64>),
-    ) -> Self {
-        let n = matrix.n;
-        first.resize(n, 0);
-        inverse.resize(n, 0.0);
-        for i in 0..n {
-            let start = matrix.columns(i).start;
-            let from = start + matrix.row(i, start, i).iter().take_while(|&&a| a == 0.0).count();
-            first[i] = from as u32;
-            let base = matrix.at(i, 0);
-            for j in from..i {
-                let common = from.max(first[j] as usize);
-                let sum = dot(matrix.row(i, common, j), matrix.row(j, common, j));
-                matrix.data[base + j] = (matrix.data[base + j] - sum) * inverse[j];
-            }
-            let row = matrix.row(i, from, i);
-            let square = (matrix.get(i, i) - dot(row, row)).max(floor);
-            inverse[i] = square.sqrt().recip();
-        }
-        Self { matrix, first, inverse }
-    }
-
-    /// Its memory.
-    pub(crate) fn into_memory(self) -> (Vec<f64>, Vec<u32>, Vec<f64>) {
-        (self.matrix.data, self.first, self.inverse)
-    }
-
-    /// Squared pivots in order of elimination.
-    pub fn pivots(&self) -> impl Iterator<Item = f64> {
-        self.inverse.iter().map(|inverse| (inverse * inverse).recip())
-    }
-
-    /// x ← A⁻¹ x.
-    pub fn solve(&self, x: &mut [f64]) {
-        let n = self.matrix.n;
-        for i in 0..n {
-            let from = self.first[i] as usize;
-            let sum = dot(self.matrix.row(i, from, i), &x[from..i]);
-            x[i] = (x[i] - sum) * self.inverse[i];
-        }
-        for i in (0..n).rev() {
-            let from = self.first[i] as usize;
-            x[i] *= self.inverse[i];
-            let value = x[i];
-            subtract(&mut x[from..i], value, self.matrix.row(i, from, i));
-        }
     }
 }

@@ -3,8 +3,9 @@
 #![expect(non_snake_case, reason = "matrices carry their names from the notes")]
 
 use crate::Scratch;
-use crate::band::{BandMatrix, Cholesky, Lu};
+use crate::band::{BandMatrix, Lu};
 use crate::block_factor::BlockFactor;
+use crate::cholesky::Cholesky;
 use crate::delassus::Assembly;
 use crate::equations::{Equations, Side};
 
@@ -89,7 +90,7 @@ impl Factor {
         let small = |pivot: &f64| pivot.abs() < 16.0 * PROXIMAL;
         match self {
             Self::None => 0,
-            Self::Symmetric(cholesky) => cholesky.pivots().filter(small).count() as u32,
+            Self::Symmetric(cholesky) => cholesky.count_below(16.0 * PROXIMAL) as u32,
             Self::General(lu) => lu.pivots().filter(small).count() as u32,
             Self::Bodies(factor) => (rows as u32).saturating_sub(factor.rank()),
         }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::{
-    ActiveSystem, Law, Lcp, LcpError, LcpSolution, Metric, Mode, Reduced, Scratch, SolveStats,
+    ActiveSystem, Law, Lcp, LcpError, LcpSolution, Metric, Mode, Reduced, Residual, Scratch,
+    SolveStats,
 };
 
 /// Above this residual, relative to s*, redundant equations contradict each other.
@@ -29,7 +30,7 @@ impl Lcp {
 /// If a row is not an equality.
 pub fn solve_linear(problem: &Lcp) -> Result<LcpSolution, LcpError> {
     let mut scratch = Scratch::default();
-    solve_linear_in(problem, &Metric::checked(problem)?, &mut scratch)
+    Ok(solve_linear_in(problem, &Metric::checked(problem)?, &mut scratch)?.0)
 }
 
 /// The same for a problem that is valid, with its metric.
@@ -37,10 +38,11 @@ pub(crate) fn solve_linear_in(
     problem: &Lcp,
     metric: &Metric,
     scratch: &mut Scratch,
-) -> Result<LcpSolution, LcpError> {
+) -> Result<(LcpSolution, Residual), LcpError> {
     assert!(problem.is_linear(), "solve_linear takes equality rows only");
     if problem.rows.is_empty() {
-        return Ok(LcpSolution { velocities: problem.free_velocities(), ..LcpSolution::default() });
+        let velocities = problem.free_velocities();
+        return Ok((LcpSolution { velocities, ..LcpSolution::default() }, Residual::default()));
     }
     let modes = scratch.modes.filled(problem.rows.len(), Mode::Active);
     let mut system = scratch.system();
@@ -51,21 +53,29 @@ pub(crate) fn solve_linear_in(
     let mut reduced = Reduced { velocities, impulses, defect: 0.0 };
     system.solve_gathered(problem, None, scratch, &mut reduced);
     let solution = assemble(problem, &system, reduced, modes, scratch);
-    let residual = problem.residual_with(metric, &solution, scratch).max();
-    if residual <= EXACT {
-        return Ok(solution);
+    let residual = problem.residual_with(metric, &solution, scratch);
+    if residual.max() <= EXACT {
+        return Ok((solution, residual));
     }
     let Some(stiff) = system.solve_stiff(problem) else {
         return accepted(solution, residual);
     };
     let modes = solution.modes.clone();
     let stiff = assemble(problem, &system, stiff, modes, scratch);
-    let again = problem.residual_with(metric, &stiff, scratch).max();
-    if again < residual { accepted(stiff, again) } else { accepted(solution, residual) }
+    let again = problem.residual_with(metric, &stiff, scratch);
+    if again.max() < residual.max() { accepted(stiff, again) } else { accepted(solution, residual) }
 }
 
-fn accepted(solution: LcpSolution, residual: f64) -> Result<LcpSolution, LcpError> {
-    if residual <= CONSISTENT { Ok(solution) } else { Err(LcpError::Infeasible { residual }) }
+fn accepted(
+    solution: LcpSolution,
+    residual: Residual,
+) -> Result<(LcpSolution, Residual), LcpError> {
+    let greatest = residual.max();
+    if greatest <= CONSISTENT {
+        Ok((solution, residual))
+    } else {
+        Err(LcpError::Infeasible { residual: greatest })
+    }
 }
 
 fn assemble(

@@ -70,13 +70,13 @@ fn answer(
     metric: &Metric,
     scratch: &mut Scratch,
 ) -> Result<(LcpSolution, Residual), LcpError> {
-    let solution = if problem.is_linear() {
-        solve_linear_in(problem, metric, scratch)?
-    } else if let Some(warm) = guess.and_then(|guess| warm(problem, metric, guess, scratch)) {
+    if problem.is_linear() {
+        return solve_linear_in(problem, metric, scratch);
+    }
+    if let Some(warm) = guess.and_then(|guess| warm(problem, metric, guess, scratch)) {
         return Ok((warm.solution, warm.residual));
-    } else {
-        solver.solve(problem, None, scratch)?
-    };
+    }
+    let solution = solver.solve(problem, None, scratch)?;
     let residual = problem.residual_with(metric, &solution, scratch);
     Ok((solution, residual))
 }

@@ -1,6 +1,10 @@
 //! What a problem must be before a solver sees it.
 
+#![expect(non_snake_case, reason = "matrices carry their names from the notes")]
+
 use std::ops::RangeInclusive;
+
+use nalgebra::Vector3;
 
 use crate::{Law, Lcp, LcpError, NO_BODY, Row};
 
@@ -10,6 +14,46 @@ impl Lcp {
     /// # Errors
     /// The first offence, with the item and field.
     pub fn validate(&self) -> Result<(), LcpError> {
+        if self.is_ordinary() {
+            return Ok(());
+        }
+        self.find_offence()
+    }
+
+    /// Whether nothing can be wrong, told without looking for what.
+    fn is_ordinary(&self) -> bool {
+        let bodies = self.mass.len();
+        let sized = |value: f64| SIZES.contains(&value);
+        let most = *SIZES.end();
+        self.momentum.len() == bodies
+            && self.mass.iter().all(|m| sized(m.x) && sized(m.y) && sized(m.z))
+            && self.momentum.iter().all(|p| p.x.abs() + p.y.abs() + p.z.abs() <= most)
+            && self.rows.iter().enumerate().all(|(index, row)| self.is_ordinary_row(index, row))
+    }
+
+    fn is_ordinary_row(&self, index: usize, row: &Row) -> bool {
+        let size = |J: &Vector3<f64>| J.x.abs() + J.y.abs() + J.z.abs();
+        let [a, b] = [0, 1].map(|side| size(&row.jacobian[side]));
+        let fits = |body: u32, size: f64| {
+            (body as usize) < self.mass.len() || (body == NO_BODY && size == 0.0)
+        };
+        let law = match row.law {
+            Law::Equality | Law::Unilateral => true,
+            Law::Bounded { .. } => false,
+            Law::Friction { normal, mu } => {
+                (normal as usize) < index
+                    && SIZES.contains(&mu)
+                    && self.rows[normal as usize].law == Law::Unilateral
+            }
+        };
+        law && a + b + row.rhs.abs() + row.compliance <= *SIZES.end()
+            && row.compliance >= 0.0
+            && row.bodies[0] != row.bodies[1]
+            && fits(row.bodies[0], a)
+            && fits(row.bodies[1], b)
+    }
+
+    fn find_offence(&self) -> Result<(), LcpError> {
         let (expected, found) = (self.mass.len(), self.momentum.len());
         if expected != found {
             return Err(LcpError::DimensionMismatch { what: "momentum", expected, found });
