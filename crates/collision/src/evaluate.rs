@@ -48,7 +48,8 @@ impl ContactFeature {
     }
 
     /// `evaluate`, where sines and cosines are at hand.
-    pub(crate) fn evaluate_in(&self, a: &Frame, b: &Frame) -> Contact {
+    #[must_use]
+    pub fn evaluate_in(&self, a: &Frame, b: &Frame) -> Contact {
         let [r_a, r_b] = self.radii;
         let (point, normal, gap) = match &self.feature {
             Feature::Points { a: l_a, b: l_b } => {

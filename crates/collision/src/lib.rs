@@ -68,5 +68,5 @@ pub use hull::convex_hull;
 pub use impact::time_of_impact;
 pub use jet::ContactJet;
 pub use mass::MassProperties;
-pub use pose::Pose;
+pub use pose::{Frame, Pose};
 pub use shape::Shape;

@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 use tangency_collision::{Contact, Placed, contacts};
 
 use crate::compile::LEAST;
-use crate::row::{RowContext, RowSource};
 use crate::scene::Scene;
 use crate::{ContactModel, State, StepError};
 
@@ -77,47 +76,4 @@ pub(crate) fn contacts_within(
         .collect();
     contacts(&placed, reach, &|a, b| scene.collides(a, b))
         .map_err(|source| StepError::Collision { time: state.time, source })
-}
-
-/// All rows of the step, joints first, each friction row behind its normal row.
-pub(crate) fn rows(context: &RowContext<'_>, reach: Reach) -> Vec<RowSource> {
-    let mut rows = Vec::new();
-    for (j, joint) in context.scene.joints.iter().enumerate() {
-        let post = !context.stage.is_velocity();
-        if post && joint.softness.is_some() {
-            continue;
-        }
-        let index = u32::try_from(j).expect("fewer joints than u32 counts");
-        let held = u32::try_from(joint.held.len()).expect("few rows");
-        rows.extend((0..held).map(|row| RowSource::Held { joint: index, row }));
-        if joint.limits.lower.is_some() {
-            rows.extend(limit_in_reach(context, RowSource::Lower { joint: index }, reach));
-        }
-        if joint.limits.upper.is_some() {
-            rows.extend(limit_in_reach(context, RowSource::Upper { joint: index }, reach));
-        }
-        if joint.motor.is_some() && !post {
-            rows.push(RowSource::Motor { joint: index });
-        }
-    }
-    for contact in 0..u32::try_from(context.contacts.len()).expect("fewer contacts than u32 counts")
-    {
-        if !context.contacts[contact as usize].normal.x.is_finite() {
-            continue; // moved until two points coincide: nothing to mend, and no direction
-        }
-        rows.push(RowSource::Normal { contact });
-        let [a, b] = context.contact_bodies(contact);
-        if context.stage.is_velocity() && context.scene.pair_friction(a, b).value > 0.0 {
-            rows.push(RowSource::Tangent { contact });
-        }
-    }
-    rows
-}
-
-/// The row of a limit if the free coordinate can get there within the step.
-fn limit_in_reach(context: &RowContext<'_>, row: RowSource, reach: Reach) -> Option<RowSource> {
-    let geometry = context.geometry(row);
-    let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
-    let bound: f64 = geometry.jacobian.iter().map(travel).sum();
-    (geometry.value <= bound).then_some(row)
 }

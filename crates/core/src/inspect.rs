@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use tangency_lcp::Law;
 
+use crate::StepScratch;
 use crate::detect::contacts_within;
 use crate::record::Path;
 use crate::row::{RowContext, RowSource, Stage};
@@ -52,7 +53,7 @@ pub struct Inspection {
 pub fn inspect(scene: &Scene, state: &State) -> Result<Inspection, StepError> {
     state.check(scene.bodies.len())?;
     let control = vec![0.0; scene.controls.len()];
-    let setup = set_up(scene, state, &control)?;
+    let setup = set_up(scene, state, &control, &mut StepScratch::default())?;
     let name = |body: usize| scene.bodies[body].name.clone();
     let mut bound = vec![false; scene.bodies.len()];
     let mut islands = Vec::new();

@@ -1,9 +1,11 @@
 //! Bodies that touch or are joined form an island: a problem of its own.
 
 use nalgebra::Vector3;
-use tangency_lcp::{Law, Lcp, NO_BODY, Row};
+use tangency_lcp::{Lcp, NO_BODY, Row};
 
 use crate::row::{RowContext, RowGeometry, RowSource, Stage};
+use crate::rows::Rows;
+use crate::scratch::StepScratch;
 
 /// The problem of one island, and what its bodies and rows are.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,54 +32,112 @@ impl Island {
     }
 }
 
+/// Which bodies belong together, by disjoint sets; [`NO_BODY`] stands for none.
+#[derive(Debug, Default)]
+pub(crate) struct Groups {
+    /// A body of the same set with a lower index, or the body itself if it has the lowest.
+    parent: Vec<u32>,
+    /// The island of the set whose lowest body this is.
+    island: Vec<u32>,
+    /// Index of the body within its island.
+    local: Vec<u32>,
+}
+
+impl Groups {
+    /// Joins the dynamic bodies of every row.
+    fn join(&mut self, context: &RowContext<'_>, geometry: &[RowGeometry]) {
+        let bodies = context.scene.bodies.len();
+        for list in [&mut self.parent, &mut self.island, &mut self.local] {
+            list.clear();
+            list.resize(bodies, NO_BODY);
+        }
+        for row in geometry {
+            let mut first = NO_BODY;
+            for body in row.bodies.into_iter().flatten().filter(|b| context.scene.is_dynamic(*b)) {
+                if self.parent[body] == NO_BODY {
+                    self.parent[body] = number(body);
+                }
+                let root = self.root(body);
+                if first == NO_BODY {
+                    first = root;
+                } else {
+                    self.parent[first.max(root) as usize] = first.min(root);
+                }
+            }
+        }
+    }
+
+    fn root(&mut self, body: usize) -> u32 {
+        let mut i = body;
+        while self.parent[i] as usize != i {
+            self.parent[i] = self.parent[self.parent[i] as usize];
+            i = self.parent[i] as usize;
+        }
+        number(i)
+    }
+
+    /// The island of a body that has rows.
+    fn island_of(&mut self, body: usize) -> Option<usize> {
+        if self.parent[body] == NO_BODY {
+            return None;
+        }
+        let root = self.root(body);
+        Some(self.island[root as usize] as usize)
+    }
+}
+
 /// Groups rows into islands, ordered by their lowest body, and assembles each.
 pub(crate) fn assemble(
     context: &RowContext<'_>,
     momentum: &[Vector3<f64>],
-    rows: &[RowSource],
+    rows: &Rows,
+    scratch: &mut StepScratch,
 ) -> Vec<Island> {
-    let geometry: Vec<RowGeometry> = rows.iter().map(|row| context.geometry(*row)).collect();
-    let roots = roots(context, &geometry);
-    let mut islands: Vec<Island> = Vec::new();
-    let mut of_root = vec![usize::MAX; roots.len()];
-    let mut local = vec![NO_BODY; roots.len()];
-    let in_rows = |i: usize| roots[i] != usize::MAX;
-    for body in (0..roots.len()).filter(|i| in_rows(*i)) {
-        let root = roots[body];
-        if of_root[root] == usize::MAX {
-            of_root[root] = islands.len();
-            let (bodies, sources, problem) = (Vec::new(), Vec::new(), Lcp::default());
-            islands.push(Island { bodies, sources, problem, stage: context.stage });
+    let mut groups = std::mem::take(&mut scratch.groups);
+    let mut islands = scratch.islands.take();
+    groups.join(context, &rows.geometry);
+    for (body, momentum) in momentum.iter().enumerate() {
+        if groups.parent[body] == NO_BODY {
+            continue;
         }
-        let island = &mut islands[of_root[root]];
-        local[body] = u32::try_from(island.bodies.len()).expect("fewer bodies than u32 counts");
-        island.bodies.push(u32::try_from(body).expect("fewer bodies than u32 counts"));
+        if groups.parent[body] == number(body) {
+            groups.island[body] = number(islands.len());
+            islands.push(scratch.island(context.stage));
+        }
+        let index = groups.island_of(body).expect("it has rows");
+        let island = &mut islands[index];
+        groups.local[body] = number(island.bodies.len());
+        island.bodies.push(number(body));
         island.problem.mass.push(context.scene.bodies[body].mass);
-        island.problem.momentum.push(momentum[body]);
+        island.problem.momentum.push(*momentum);
     }
-    for (source, geometry) in rows.iter().zip(&geometry) {
-        let Some(body) = geometry.bodies.iter().flatten().find(|b| in_rows(**b)) else { continue };
-        let island = &mut islands[of_root[roots[*body]]];
-        let row = assemble_row(context, *source, geometry, &local, island.problem.rows.len());
+    for (source, geometry) in rows.sources.iter().zip(&rows.geometry) {
+        let mut sides = geometry.bodies.iter().flatten();
+        let Some(index) = sides.find_map(|body| groups.island_of(*body)) else { continue };
+        let island = &mut islands[index];
+        let before = number(island.problem.rows.len()).saturating_sub(1);
+        let row = assemble_row(context, *source, geometry, &groups.local, before);
         island.sources.push(*source);
         island.problem.rows.push(row);
     }
+    scratch.groups = groups;
     islands
 }
 
+/// `before` is the index of the row before it.
 fn assemble_row(
     context: &RowContext<'_>,
     source: RowSource,
     geometry: &RowGeometry,
     local: &[u32],
-    index: usize,
+    before: u32,
 ) -> Row {
     let mut row = Row {
         bodies: [NO_BODY; 2],
         jacobian: [Vector3::zeros(); 2],
         rhs: 0.0,
         compliance: 0.0,
-        law: Law::Equality,
+        law: context.law(source, before),
     };
     for side in 0..2 {
         let Some(body) = geometry.bodies[side].filter(|b| context.scene.is_dynamic(*b)) else {
@@ -87,8 +147,6 @@ fn assemble_row(
         row.jacobian[side] = geometry.jacobian[side];
     }
     set_right_side(context, source, geometry, &mut row);
-    let normal = u32::try_from(index.saturating_sub(1)).expect("fewer rows than u32 counts");
-    row.law = context.law(source, normal);
     row
 }
 
@@ -99,47 +157,22 @@ fn set_right_side(
     geometry: &RowGeometry,
     row: &mut Row,
 ) {
-    let (mut speed, mut driven) = (0.0, 0.0);
+    let bounces = matches!(source, RowSource::Normal { .. });
+    let speed = if bounces { context.speed(geometry) } else { 0.0 };
+    let rhs = context.rhs(source, geometry.value, speed);
+    row.rhs = rhs.value;
+    row.compliance = rhs.compliance;
+    if !context.stage.is_velocity() {
+        return;
+    }
     for side in 0..2 {
         let Some(body) = geometry.bodies[side] else { continue };
-        let part = geometry.jacobian[side].dot(&context.v[body]);
-        speed += part;
-        if !context.scene.is_dynamic(body) && context.stage.is_velocity() {
-            driven += part;
+        if !context.scene.is_dynamic(body) {
+            row.rhs -= geometry.jacobian[side].dot(&context.v[body]);
         }
     }
-    let rhs = context.rhs(source, geometry.value, speed);
-    row.rhs = rhs.value - driven;
-    row.compliance = rhs.compliance;
 }
 
-/// The lowest body of each dynamic body's island; `usize::MAX` for bodies without rows.
-fn roots(context: &RowContext<'_>, geometry: &[RowGeometry]) -> Vec<usize> {
-    let mut parent = vec![usize::MAX; context.scene.bodies.len()];
-    for row in geometry {
-        let mut first = usize::MAX;
-        for body in row.bodies.iter().flatten().filter(|b| context.scene.is_dynamic(**b)) {
-            if parent[*body] == usize::MAX {
-                parent[*body] = *body;
-            }
-            let root = find(&mut parent, *body);
-            if first == usize::MAX {
-                first = root;
-            } else {
-                let (low, high) = (first.min(root), first.max(root));
-                parent[high] = low;
-            }
-        }
-    }
-    (0..parent.len())
-        .map(|i| if parent[i] == usize::MAX { usize::MAX } else { find(&mut parent, i) })
-        .collect()
-}
-
-fn find(parent: &mut [usize], mut i: usize) -> usize {
-    while parent[i] != i {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    i
+fn number(index: usize) -> u32 {
+    u32::try_from(index).expect("fewer bodies and rows than u32 counts")
 }

@@ -21,7 +21,7 @@
 //! ```
 
 use nalgebra::{Matrix6, SMatrix, Vector2, Vector3, Vector4, Vector6};
-use tangency_collision::{Pose, pose};
+use tangency_collision::{Frame, Pose, pose};
 
 /// Which scalar.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +70,19 @@ impl Measure {
     /// Value and gradient at two poses, for anchors in their bodies' frames.
     #[must_use]
     pub fn evaluate(&self, poses: [&Pose; 2], anchors: [&Vector2<f64>; 2]) -> MeasureValue {
+        let frames = poses.map(Frame::new);
+        self.evaluate_in([&frames[0], &frames[1]], anchors)
+    }
+
+    /// The same where sines and cosines are at hand.
+    #[must_use]
+    pub fn evaluate_in(&self, frames: [&Frame; 2], anchors: [&Vector2<f64>; 2]) -> MeasureValue {
         if *self == Self::Angle {
             let jacobian = [-Vector3::z(), Vector3::z()];
-            return MeasureValue { value: poses[1].z - poses[0].z, jacobian };
+            return MeasureValue { value: frames[1].pose().z - frames[0].pose().z, jacobian };
         }
-        let arm = Arms::new(poses, anchors);
-        let (u, value) = self.direction(&arm, poses[0]);
+        let arm = Arms::new(frames, anchors);
+        let (u, value) = self.direction(&arm, frames[0]);
         let turning = if self.turns_with_a() { pose::perp(&u).dot(&arm.r) } else { 0.0 };
         let a = Vector3::new(-u.x, -u.y, -u.dot(&pose::perp(&arm.rho[0])) + turning);
         let b = Vector3::new(u.x, u.y, u.dot(&pose::perp(&arm.rho[1])));
@@ -94,8 +101,9 @@ impl Measure {
             jacobian_anchors: SMatrix::zeros(),
         };
         if *self != Self::Angle {
-            let arm = Arms::new(poses, anchors);
-            let (u, _) = self.direction(&arm, poses[0]);
+            let frames = poses.map(Frame::new);
+            let arm = Arms::new([&frames[0], &frames[1]], anchors);
+            let (u, _) = self.direction(&arm, &frames[0]);
             arm.add_fixed_direction(&u, &mut jet);
             self.add_turning_direction(&arm, &u, &mut jet);
         }
@@ -107,10 +115,10 @@ impl Measure {
     }
 
     /// u and φ.
-    fn direction(&self, arm: &Arms, pose_a: &Pose) -> (Vector2<f64>, f64) {
+    fn direction(&self, arm: &Arms, frame_a: &Frame) -> (Vector2<f64>, f64) {
         let u = match self {
             Self::World { axis } => *axis,
-            Self::OnA { axis_local } => pose::direction(pose_a, axis_local),
+            Self::OnA { axis_local } => frame_a.direction(axis_local),
             Self::Length | Self::Angle => {
                 let length = arm.r.norm();
                 return (arm.r / length, length);
@@ -152,13 +160,13 @@ struct Arms {
 }
 
 impl Arms {
-    fn new(poses: [&Pose; 2], anchors: [&Vector2<f64>; 2]) -> Self {
-        let rotation = poses.map(|p| {
-            let e = pose::direction(p, &Vector2::x());
+    fn new(frames: [&Frame; 2], anchors: [&Vector2<f64>; 2]) -> Self {
+        let rotation = frames.map(|frame| {
+            let e = Vector2::new(frame.cos(), frame.sin());
             [e, pose::perp(&e)]
         });
-        let rho = [0, 1].map(|i| rotation[i][0] * anchors[i].x + rotation[i][1] * anchors[i].y);
-        let r = poses[1].xy() + rho[1] - poses[0].xy() - rho[0];
+        let rho = [0, 1].map(|i| frames[i].direction(anchors[i]));
+        let r = frames[1].origin() + rho[1] - frames[0].origin() - rho[0];
         Self { rotation, rho, r }
     }
 

@@ -9,15 +9,23 @@ use crate::scene::Scene;
 /// p per body, (N·s, N·s, N·m·s); zero for bodies without unknowns.
 #[must_use]
 pub fn momentum(context: &RowContext<'_>, time: f64) -> Vec<Vector3<f64>> {
+    let mut p = Vec::new();
+    momentum_into(context, time, &mut p);
+    p
+}
+
+/// The same into memory that is used again.
+pub(crate) fn momentum_into(context: &RowContext<'_>, time: f64, p: &mut Vec<Vector3<f64>>) {
     let scene = context.scene;
-    let mut p: Vec<_> = (0..scene.bodies.len()).map(|i| inertial(context, i)).collect();
+    p.clear();
+    p.extend((0..scene.bodies.len()).map(|i| inertial(context, i)));
     for force in &scene.forces {
         p[force.body] += force.wrench * overlap(force, time, scene.dt);
     }
     for (control, u) in scene.controls.iter().zip(context.control) {
         match *control {
             Control::Wrench { body, component } => p[body][component] += scene.dt * u,
-            Control::JointForce { joint } => add_joint_force(context, joint, *u, &mut p),
+            Control::JointForce { joint } => add_joint_force(context, joint, *u, p),
             Control::MotorSpeed { .. } => {}
         }
     }
@@ -25,7 +33,6 @@ pub fn momentum(context: &RowContext<'_>, time: f64) -> Vec<Vector3<f64>> {
         debug_assert!(scene.bodies[i].mass == Vector3::zeros());
         *p = Vector3::zeros();
     }
-    p
 }
 
 /// M v + dt M g.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use tangency_lcp::LcpSolver;
 
-use crate::{Scene, State, StepError, StepRecord, StepScratch, step};
+use crate::{Scene, State, StepError, StepRecord, StepScratch, next_step, step};
 
 /// A run: the state it began in and what every step produced.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,7 +58,11 @@ pub fn rollout(
     let mut run = Rollout { initial, records: Vec::new() };
     for k in 0..steps {
         let state = run.state(k);
-        let record = step(scene, solver, state, &control(k, state), &mut scratch)?;
+        let control = control(k, state);
+        let record = match run.records.last() {
+            Some(before) => next_step(scene, solver, before, &control, &mut scratch)?,
+            None => step(scene, solver, state, &control, &mut scratch)?,
+        };
         run.records.push(record);
     }
     Ok(run)

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 use tangency_collision::{Contact, Pose, pose};
 use tangency_lcp::Law;
 
+use crate::frames::Frames;
 use crate::model::{Control, Joint, JointRow};
 use crate::rhs::{self, Rhs, Unilateral};
 use crate::scene::Scene;
@@ -98,34 +99,60 @@ impl RowContext<'_> {
     /// If the scene has no such row.
     #[must_use]
     pub fn geometry(&self, source: RowSource) -> RowGeometry {
+        match self.joint_row(source) {
+            Some((joint, row)) => self.turned(source, self.joint_geometry(joint, row)),
+            None => self.contact_row_geometry(source),
+        }
+    }
+
+    /// The same where the frames of the context's poses are at hand.
+    pub(crate) fn geometry_in(&self, source: RowSource, frames: &Frames) -> RowGeometry {
+        match self.joint_row(source) {
+            Some((joint, row)) => self.turned(source, self.joint_geometry_in(joint, row, frames)),
+            None => self.contact_row_geometry(source),
+        }
+    }
+
+    /// The scalar of a joint that a row is about; `None` for contacts.
+    fn joint_row(&self, source: RowSource) -> Option<(u32, JointRow)> {
         match source {
-            RowSource::Held { joint, row } => {
-                let held = self.joint(joint).held[row as usize];
-                self.joint_geometry(joint, held)
-            }
+            RowSource::Held { joint, row } => Some((joint, self.joint(joint).held[row as usize])),
+            RowSource::Lower { joint }
+            | RowSource::Upper { joint }
+            | RowSource::Motor { joint } => Some((joint, self.free(joint))),
+            RowSource::Normal { .. } | RowSource::Tangent { .. } => None,
+        }
+    }
+
+    /// A joint's scalar as the row sees it.
+    fn turned(&self, source: RowSource, g: RowGeometry) -> RowGeometry {
+        match source {
             RowSource::Lower { joint } => {
-                let (row, lower) = (self.free(joint), self.joint(joint).limits.lower);
-                let mut g = self.joint_geometry(joint, row);
-                g.value -= lower.expect("a lower row has a lower limit");
-                g
+                let lower = self.joint(joint).limits.lower;
+                let value = g.value - lower.expect("a lower row has a lower limit");
+                RowGeometry { value, ..g }
             }
             RowSource::Upper { joint } => {
-                let (row, upper) = (self.free(joint), self.joint(joint).limits.upper);
-                let g = self.joint_geometry(joint, row);
+                let upper = self.joint(joint).limits.upper;
                 let value = upper.expect("an upper row has an upper limit") - g.value;
                 RowGeometry { value, jacobian: g.jacobian.map(|j| -j), ..g }
             }
-            RowSource::Motor { joint } => {
-                RowGeometry { value: 0.0, ..self.joint_geometry(joint, self.free(joint)) }
+            RowSource::Motor { .. } => RowGeometry { value: 0.0, ..g },
+            _ => g,
+        }
+    }
+
+    fn contact_row_geometry(&self, source: RowSource) -> RowGeometry {
+        match source {
+            RowSource::Tangent { contact } => {
+                let contact = &self.contacts[contact as usize];
+                self.contact_geometry(contact, &pose::perp(&contact.normal), 0.0)
             }
             RowSource::Normal { contact } => {
                 let contact = &self.contacts[contact as usize];
                 self.contact_geometry(contact, &contact.normal, contact.gap)
             }
-            RowSource::Tangent { contact } => {
-                let contact = &self.contacts[contact as usize];
-                self.contact_geometry(contact, &pose::perp(&contact.normal), 0.0)
-            }
+            _ => unreachable!("rows of joints have a joint"),
         }
     }
 
@@ -309,6 +336,18 @@ impl RowContext<'_> {
         let Joint { bodies, anchors, .. } = self.joint(joint);
         let poses = self.scene.joint_poses(joint as usize, self.q);
         let m = row.measure.evaluate([&poses[0], &poses[1]], [&anchors[0], &anchors[1]]);
+        RowGeometry { bodies: *bodies, value: m.value - row.reference, jacobian: m.jacobian }
+    }
+
+    pub(crate) fn joint_geometry_in(
+        &self,
+        joint: u32,
+        row: JointRow,
+        frames: &Frames,
+    ) -> RowGeometry {
+        let Joint { bodies, anchors, .. } = self.joint(joint);
+        let sides = bodies.map(|body| frames.side(body));
+        let m = row.measure.evaluate_in(sides, [&anchors[0], &anchors[1]]);
         RowGeometry { bodies: *bodies, value: m.value - row.reference, jacobian: m.jacobian }
     }
 

@@ -1,0 +1,99 @@
+//! Memory that is reused between steps.
+
+use nalgebra::Vector3;
+use tangency_collision::Contact;
+use tangency_lcp::{Guess, Lcp, Pool, Row, Scratch};
+
+use crate::frames::Frames;
+use crate::guess::Places;
+use crate::island::{Groups, Island};
+use crate::record::{IslandRecord, PostRecord, StepRecord};
+use crate::row::RowSource;
+use crate::rows::Rows;
+use crate::{Stage, State};
+
+/// Memory that is reused between steps; it never changes a result.
+///
+/// Once it has seen a few steps and gets their records [back](Self::recycle), stepping allocates
+/// nothing.
+#[derive(Debug, Default)]
+pub struct StepScratch {
+    pub(crate) lcp: Scratch,
+    pub(crate) frames: Frames,
+    pub(crate) rows: Rows,
+    pub(crate) groups: Groups,
+    pub(crate) places: Places,
+    pub(crate) guess: Guess,
+    pub(crate) islands: Pool<Island>,
+    pub(crate) records: Pool<IslandRecord>,
+    pub(crate) contacts: Pool<Contact>,
+    pub(crate) vectors: Pool<Vector3<f64>>,
+    pub(crate) floats: Pool<f64>,
+    pub(crate) flags: Pool<bool>,
+    bodies: Pool<u32>,
+    sources: Pool<RowSource>,
+    problem_rows: Pool<Row>,
+}
+
+impl StepScratch {
+    /// Takes the memory of a record that is needed no more.
+    pub fn recycle(&mut self, record: StepRecord) {
+        let StepRecord { control, contacts, islands, post, after } = record;
+        self.floats.give(control);
+        self.contacts.give(contacts);
+        self.recycle_islands(islands);
+        if let Some(PostRecord { moved, contacts, loose, islands }) = post {
+            self.vectors.give(moved);
+            self.contacts.give(contacts);
+            self.flags.give(loose);
+            self.recycle_islands(islands);
+        }
+        self.vectors.give(after.q);
+        self.vectors.give(after.v);
+    }
+
+    fn recycle_islands(&mut self, mut islands: Vec<IslandRecord>) {
+        for island in islands.drain(..) {
+            self.bodies.give(island.bodies);
+            self.sources.give(island.sources);
+            self.recycle_problem(island.problem);
+            self.lcp.recycle(island.solution);
+        }
+        self.records.give(islands);
+    }
+
+    fn recycle_problem(&mut self, problem: Lcp) {
+        self.vectors.give(problem.mass);
+        self.vectors.give(problem.momentum);
+        self.problem_rows.give(problem.rows);
+    }
+
+    /// Takes the memory of an island that is not solved.
+    pub(crate) fn recycle_island(&mut self, island: Island) {
+        self.bodies.give(island.bodies);
+        self.sources.give(island.sources);
+        self.recycle_problem(island.problem);
+    }
+
+    /// An island without bodies and rows.
+    pub(crate) fn island(&mut self, stage: Stage) -> Island {
+        let (mass, momentum) = (self.vectors.take(), self.vectors.take());
+        let problem = Lcp { mass, momentum, rows: self.problem_rows.take() };
+        Island { bodies: self.bodies.take(), sources: self.sources.take(), problem, stage }
+    }
+
+    /// A copy of a state.
+    pub(crate) fn copy(&mut self, state: &State) -> State {
+        let (mut q, mut v) = (self.vectors.take(), self.vectors.take());
+        q.extend_from_slice(&state.q);
+        v.extend_from_slice(&state.v);
+        State { time: state.time, q, v }
+    }
+
+    /// A copy of a control.
+    pub(crate) fn copy_control(&mut self, control: &[f64]) -> Vec<f64> {
+        let mut copy = self.floats.take();
+        copy.extend_from_slice(control);
+        copy
+    }
+}

@@ -1,0 +1,146 @@
+//! The islands of a step, each solved in the first of its stages that has a solution.
+
+use tangency_lcp::{LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_checked};
+
+use crate::StepError;
+use crate::island::Island;
+use crate::record::{IslandRecord, Path, StepRecord};
+use crate::row::{RowContext, RowSource, Stage};
+use crate::scratch::StepScratch;
+
+/// Solves the islands; `before` is the step before, if there was one.
+pub(crate) fn solve(
+    context: &RowContext<'_>,
+    solver: &dyn LcpSolver,
+    time: f64,
+    before: Option<&StepRecord>,
+    mut islands: Vec<Island>,
+    scratch: &mut StepScratch,
+) -> Result<Vec<IslandRecord>, StepError> {
+    let mut records = scratch.records.take();
+    for (index, island) in islands.drain(..).enumerate() {
+        let guessed = before.filter(|_| !island.problem.is_linear());
+        if let Some(before) = guessed {
+            let mut guess = std::mem::take(&mut scratch.guess);
+            let joints = context.scene.joints.len();
+            scratch.places.guess(before, index, &island, joints, &mut guess);
+            scratch.guess = guess;
+        }
+        let record = solve_island(context, solver, island, guessed.is_some(), scratch);
+        records.push(record.map_err(|(bodies, source)| refusal(context, time, &bodies, source))?);
+    }
+    scratch.islands.give(islands);
+    Ok(records)
+}
+
+fn refusal(context: &RowContext<'_>, time: f64, bodies: &[u32], source: LcpError) -> StepError {
+    let names = bodies.iter().map(|b| context.scene.bodies[*b as usize].name.as_str());
+    StepError::Lcp { time, bodies: names.collect::<Vec<_>>().join(", "), source }
+}
+
+/// A solution more than this times faster than what drives it comes from rows that nearly
+/// contradict each other, and a later stage is tried.
+fn wild(stage: Stage) -> f64 {
+    if stage.is_velocity() { 8.0 } else { 4.0 }
+}
+
+/// A later stage counts if its solution is calmer by this much: a lever is no contradiction.
+const CALMER: f64 = 4.0;
+
+/// The record of one island; of a refusal its bodies and the first stage's error.
+fn solve_island(
+    context: &RowContext<'_>,
+    solver: &dyn LcpSolver,
+    island: Island,
+    guessed: bool,
+    scratch: &mut StepScratch,
+) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
+    let tolerance = context.scene.tolerance();
+    let guess = guessed.then_some(&scratch.guess);
+    match solve_checked(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
+        Ok((solution, residual))
+            if !gives_too_much(context, &island, &solution)
+                && island.problem.is_calm(&solution, wild(island.stage)) =>
+        {
+            Ok(record(island, solution, residual.max()))
+        }
+        first => solve_in_stages(context, solver, island, first, scratch),
+    }
+}
+
+/// The calmest solution of the island's stages, given the first stage's answer.
+fn solve_in_stages(
+    context: &RowContext<'_>,
+    solver: &dyn LcpSolver,
+    island: Island,
+    first: Result<(LcpSolution, Residual), LcpError>,
+    scratch: &mut StepScratch,
+) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
+    let (mut calmest, mut least) = (None, f64::INFINITY);
+    let mut refusal: Option<(Vec<u32>, LcpError)> = None;
+    let mut next = Some((island, first));
+    while let Some((island, answer)) = next {
+        let later = match answer {
+            Ok((solution, _)) if gives_too_much(context, &island, &solution) => {
+                giving_way(context, &island)
+            }
+            Ok((solution, residual)) => {
+                let amplification = island.problem.amplification(&solution);
+                let calm = amplification <= wild(island.stage);
+                let later = if calm { None } else { giving_way(context, &island) };
+                if calmest.is_none() || CALMER * amplification < least {
+                    least = amplification;
+                    calmest = Some(record(island, solution, residual.max()));
+                }
+                later
+            }
+            Err(error) => {
+                let later = giving_way(context, &island);
+                refusal = refusal.or(Some((island.bodies, error)));
+                later
+            }
+        };
+        next = later.map(|island| {
+            let tolerance = context.scene.tolerance();
+            let answer = solve_checked(solver, &island.problem, None, &mut scratch.lcp, tolerance);
+            (island, answer)
+        });
+    }
+    calmest.ok_or_else(|| refusal.unwrap_or((Vec::new(), NOTHING_TRIED)))
+}
+
+/// Joints that may drift and give way by more than this, relative to the problem's scale, are
+/// driven against each other. Drift alone takes at most ½ √(1e-8).
+const DRIVEN: f64 = 1e-3;
+
+fn gives_too_much(context: &RowContext<'_>, island: &Island, solution: &LcpSolution) -> bool {
+    if !island.stage.drifts() {
+        return false;
+    }
+    let metric = Metric::new(&island.problem);
+    let context = RowContext { stage: island.stage, ..*context };
+    let gives = |(row, source): (usize, &RowSource)| {
+        context.softness(*source) * metric.impulse(row, solution.impulses[row]).abs()
+    };
+    island.sources.iter().enumerate().map(gives).any(|gives| gives > DRIVEN * metric.scale)
+}
+
+const NOTHING_TRIED: LcpError = LcpError::NotConverged { iterations: 0, residual: f64::INFINITY };
+
+/// The island in its next stage that asks for something else.
+fn giving_way(context: &RowContext<'_>, island: &Island) -> Option<Island> {
+    let mut stage = island.stage;
+    while let Some(next) = stage.next() {
+        if let Some(island) = island.at(&RowContext { stage: next, ..*context }) {
+            return Some(island);
+        }
+        stage = next;
+    }
+    None
+}
+
+fn record(island: Island, solution: LcpSolution, residual: f64) -> IslandRecord {
+    let Island { bodies, sources, problem, stage } = island;
+    let path = Path::of(&problem);
+    IslandRecord { bodies, sources, problem, solution, path, stage, residual }
+}
