@@ -115,7 +115,11 @@ impl ActiveSystem {
             let width = order::narrow(problem, &mut self.rows, width, scratch);
             list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
             equations.gather(problem, metric, self);
-            self.factor = Factor::of_rows(&equations, width, scratch);
+            self.factor = if self.rows.len() == problem.rows.len() && problem.is_linear() {
+                Factor::of_equalities(&equations, width, scratch)
+            } else {
+                Factor::of_rows(&equations, width, scratch)
+            };
         }
         self.inverse.clear();
         self.inverse.extend(equations.rows.iter().map(|row| row.inverse));

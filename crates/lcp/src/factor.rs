@@ -13,6 +13,11 @@ use crate::equations::{Equations, Side};
 /// dependent directions carry a noise of 10⁻¹⁶/ε; larger values cost sweeps under mass ratios.
 pub(crate) const PROXIMAL: f64 = 1e-9;
 
+/// ε of a first attempt where all rows are equalities: enough unless rows depend on each other.
+const LEAST: f64 = 1e-14;
+/// Squared pivots below this tell that they do.
+const DEPENDENT: f64 = 1e-6;
+
 /// A factorisation.
 #[derive(Clone, Debug, Default)]
 pub(crate) enum Factor {
@@ -30,6 +35,30 @@ pub(crate) enum Factor {
 impl Factor {
     /// Of the rows' own matrix, a band of this half-width.
     pub(crate) fn of_rows(equations: &Equations, width: usize, scratch: &mut Scratch) -> Self {
+        Self::regularised(equations, width, PROXIMAL, scratch)
+    }
+
+    /// The same with as small an ε as will do.
+    pub(crate) fn of_equalities(
+        equations: &Equations,
+        width: usize,
+        scratch: &mut Scratch,
+    ) -> Self {
+        let first = Self::regularised(equations, width, LEAST, scratch);
+        let Self::Symmetric(cholesky) = &first else { return first };
+        if cholesky.count_below(DEPENDENT) == 0 {
+            return first;
+        }
+        first.give(scratch);
+        Self::of_rows(equations, width, scratch)
+    }
+
+    fn regularised(
+        equations: &Equations,
+        width: usize,
+        epsilon: f64,
+        scratch: &mut Scratch,
+    ) -> Self {
         let (n, data) = (equations.rows.len(), scratch.floats.take());
         let symmetric = equations.folds.is_empty();
         let mut S = if symmetric {
@@ -42,13 +71,13 @@ impl Factor {
         assembly.add_folds(&mut S);
         assembly.give(scratch);
         for slot in 0..n {
-            S.add(slot, slot, PROXIMAL);
+            S.add(slot, slot, epsilon);
         }
         if symmetric {
             let memory = (scratch.indices.take(), scratch.floats.take());
-            Self::Symmetric(Cholesky::in_memory(S, 0.25 * PROXIMAL, memory))
+            Self::Symmetric(Cholesky::in_memory(S, 0.25 * epsilon, memory))
         } else {
-            Self::General(Lu::new(S, 1e-3 * PROXIMAL))
+            Self::General(Lu::new(S, 1e-3 * epsilon))
         }
     }
 

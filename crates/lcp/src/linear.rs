@@ -52,8 +52,7 @@ pub(crate) fn solve_linear_in(
     let (velocities, impulses) = (scratch.vectors.take(), scratch.floats.take());
     let mut reduced = Reduced { velocities, impulses, defect: 0.0 };
     system.solve_gathered(problem, None, scratch, &mut reduced);
-    let solution = assemble(problem, &system, reduced, modes, scratch);
-    let residual = problem.residual_with(metric, &solution, scratch);
+    let (solution, residual) = assemble(problem, metric, &system, reduced, modes, scratch);
     if residual.max() <= EXACT {
         return Ok((solution, residual));
     }
@@ -61,8 +60,7 @@ pub(crate) fn solve_linear_in(
         return accepted(solution, residual);
     };
     let modes = solution.modes.clone();
-    let stiff = assemble(problem, &system, stiff, modes, scratch);
-    let again = problem.residual_with(metric, &stiff, scratch);
+    let (stiff, again) = assemble(problem, metric, &system, stiff, modes, scratch);
     if again.max() < residual.max() { accepted(stiff, again) } else { accepted(solution, residual) }
 }
 
@@ -80,22 +78,24 @@ fn accepted(
 
 fn assemble(
     problem: &Lcp,
+    metric: &Metric,
     system: &Arc<ActiveSystem>,
     reduced: Reduced,
     modes: Vec<Mode>,
     scratch: &mut Scratch,
-) -> LcpSolution {
+) -> (LcpSolution, Residual) {
     let mut impulses = scratch.floats.take();
     system.spread_into(problem, &reduced.impulses, &mut impulses);
     scratch.floats.give(reduced.impulses);
     let mut slacks = scratch.floats.take();
-    problem.remainders_into(&reduced.velocities, &impulses, &mut slacks);
-    LcpSolution {
+    let residual = problem.assess(metric, &reduced.velocities, &impulses, &mut slacks, scratch);
+    let solution = LcpSolution {
         velocities: reduced.velocities,
         impulses,
         slacks,
         modes,
         stats: SolveStats { factorisations: 1, ..SolveStats::default() },
         system: Some(Arc::clone(system)),
-    }
+    };
+    (solution, residual)
 }

@@ -2,51 +2,67 @@
 //!
 //! A row is an array of `W` entries, the diagonal last: entry `k` of row `i` is column `i + k − (W − 1)`.
 //! What lies left of the matrix is zero. With the width known to the compiler, the loops over a row have no
-//! counters.
+//! counters, and what the neighbouring rows need stays in registers.
 
 /// Factors in place. `inverse` receives 1/L per row; squared pivots below `floor` are replaced by it.
 pub(crate) fn factor<const W: usize>(data: &mut [f64], inverse: &mut [f64], floor: f64) {
     let (rows, _) = data.as_chunks_mut::<W>();
     for i in 0..rows.len() {
-        let mut row = rows[i];
-        let mut square = row[W - 1];
-        for k in (W - 1).saturating_sub(i)..W - 1 {
-            let j = i + k + 1 - W;
-            let (above, shift) = (&rows[j], W - 1 - k);
-            let sum: f64 = (0..k).map(|m| row[m] * above[m + shift]).sum();
-            row[k] = (row[k] - sum) * inverse[j];
-            square -= row[k] * row[k];
-        }
+        let (above, rest) = rows.split_at_mut(i);
+        let row = &mut rest[0];
+        let square = if i >= W - 1 {
+            eliminate(&above[i + 1 - W..], &inverse[i + 1 - W..i], 0, row)
+        } else {
+            eliminate(above, &inverse[..i], W - 1 - i, row)
+        };
         inverse[i] = square.max(floor).sqrt().recip();
-        rows[i] = row;
     }
+}
+
+/// Turns a row into one of L, given the rows above it; returns its squared pivot. Its first `empty`
+/// entries lie left of the matrix.
+#[inline]
+fn eliminate<const W: usize>(
+    above: &[[f64; W]],
+    inverse: &[f64],
+    empty: usize,
+    row: &mut [f64; W],
+) -> f64 {
+    let mut square = row[W - 1];
+    for k in empty..W - 1 {
+        let (other, shift) = (&above[k - empty], W - 1 - k);
+        let mut value = row[k];
+        for m in 0..k {
+            value -= row[m] * other[m + shift];
+        }
+        row[k] = value * inverse[k - empty];
+        square -= row[k] * row[k];
+    }
+    square
 }
 
 /// x ← (L Lᵀ)⁻¹ x.
 pub(crate) fn solve<const W: usize>(data: &[f64], inverse: &[f64], x: &mut [f64]) {
     let (rows, _) = data.as_chunks::<W>();
-    for (i, row) in rows.iter().enumerate() {
-        let mut value = x[i];
-        if i >= W - 1 {
-            let before = &x[i + 1 - W..i];
-            for k in 0..W - 1 {
-                value -= row[k] * before[k];
-            }
-        } else {
-            (0..i).for_each(|j| value -= row[j + W - 1 - i] * x[j]);
+    // The last W entries of x, so far.
+    let mut before = [0.0; W];
+    for ((row, inverse), x) in rows.iter().zip(inverse).zip(x.iter_mut()) {
+        let mut value = *x;
+        for k in 0..W - 1 {
+            value -= row[k] * before[k + 1];
         }
-        x[i] = value * inverse[i];
+        before.rotate_left(1);
+        before[W - 1] = value * inverse;
+        *x = before[W - 1];
     }
-    for (i, row) in rows.iter().enumerate().rev() {
-        let value = x[i] * inverse[i];
-        x[i] = value;
-        if i >= W - 1 {
-            let before = &mut x[i + 1 - W..i];
-            for k in 0..W - 1 {
-                before[k] -= row[k] * value;
-            }
-        } else {
-            (0..i).for_each(|j| x[j] -= row[j + W - 1 - i] * value);
+    // What the entries below take from the W entries up to this one.
+    let mut taken = [0.0; W];
+    for ((row, inverse), x) in rows.iter().zip(inverse).zip(x.iter_mut()).rev() {
+        let value = (*x - taken[W - 1]) * inverse;
+        *x = value;
+        for k in (0..W - 1).rev() {
+            taken[k + 1] = taken[k] + row[k] * value;
         }
+        taken[0] = 0.0;
     }
 }

@@ -264,7 +264,8 @@ impl Polish<'_> {
         scratch.floats.give(reduced.impulses);
         self.lift(&mut impulses);
         let (mut slacks, mut own_modes) = (scratch.floats.take(), scratch.modes.take());
-        problem.remainders_into(&reduced.velocities, &impulses, &mut slacks);
+        let residual =
+            problem.assess(self.metric, &reduced.velocities, &impulses, &mut slacks, scratch);
         list_effective(problem, modes, &mut own_modes);
         let solution = LcpSolution {
             velocities: reduced.velocities,
@@ -274,7 +275,6 @@ impl Polish<'_> {
             stats: SolveStats { factorisations: 1, ..SolveStats::default() },
             system: Some(Arc::clone(system)),
         };
-        let residual = problem.residual_with(self.metric, &solution, scratch);
         Polished { solution, residual }
     }
 

@@ -75,50 +75,85 @@ impl Lcp {
         solution: &LcpSolution,
         scratch: &mut Scratch,
     ) -> Residual {
+        let mut slacks = scratch.floats.take();
         let (v, impulses) = (&solution.velocities, &solution.impulses);
+        let residual = self.assess(metric, v, impulses, &mut slacks, scratch);
+        scratch.floats.give(slacks);
+        residual
+    }
+
+    /// The residual of velocities and impulses, and the remainder of every row.
+    pub(crate) fn assess(
+        &self,
+        metric: &Metric,
+        v: &[Vector3<f64>],
+        impulses: &[f64],
+        slacks: &mut Vec<f64>,
+        scratch: &mut Scratch,
+    ) -> Residual {
         assert_eq!(v.len(), self.mass.len(), "a velocity per body");
         assert_eq!(impulses.len(), self.rows.len(), "an impulse per row");
-        let momentum = self.momentum_defect(metric, solution, scratch);
+        slacks.clear();
+        let momentum = self.momentum_defect(metric, v, impulses, scratch);
         let mut residual = Residual { momentum, ..Residual::default() };
         for (i, row) in self.rows.iter().enumerate() {
             let remainder = row.velocity(v) + row.compliance * impulses[i] - row.rhs;
-            let (y, u) = (metric.impulse(i, impulses[i]), metric.remainder(i, remainder));
+            slacks.push(remainder);
+            let u = metric.remainder(i, remainder);
             let (part, defect) = match row.law {
                 Law::Equality => (&mut residual.equality, u),
-                Law::Unilateral => (&mut residual.unilateral, y.min(u)),
+                Law::Unilateral => {
+                    let y = metric.impulse(i, impulses[i]);
+                    (&mut residual.unilateral, if y.is_nan() { y } else { y.min(u) })
+                }
                 Law::Bounded { .. } => {
-                    (&mut residual.bounded, clip_defect(y, u, metric.bound(row.law, i, impulses)))
+                    (&mut residual.bounded, self.clip_defect(metric, i, u, impulses))
                 }
                 Law::Friction { .. } => {
-                    (&mut residual.friction, clip_defect(y, u, metric.bound(row.law, i, impulses)))
+                    (&mut residual.friction, self.clip_defect(metric, i, u, impulses))
                 }
             };
-            let unfit = u.is_nan() || y.is_nan();
-            *part = part.max(metric.relative(if unfit { f64::NAN } else { defect.abs() }));
+            // The greatest, and NaN once there is one.
+            let defect = if u.is_nan() { u } else { defect.abs() };
+            *part = if defect > *part || defect.is_nan() { defect } else { *part };
+        }
+        for part in [
+            &mut residual.equality,
+            &mut residual.unilateral,
+            &mut residual.bounded,
+            &mut residual.friction,
+        ] {
+            *part = metric.relative(*part);
         }
         residual
+    }
+
+    fn clip_defect(&self, metric: &Metric, row: usize, u: f64, impulses: &[f64]) -> f64 {
+        let y = metric.impulse(row, impulses[row]);
+        clip_defect(y, u, metric.bound(self.rows[row].law, row, impulses))
     }
 
     fn momentum_defect(
         &self,
         metric: &Metric,
-        solution: &LcpSolution,
+        v: &[Vector3<f64>],
+        impulses: &[f64],
         scratch: &mut Scratch,
     ) -> f64 {
         let mut balance = scratch.vectors.take();
         balance.extend_from_slice(&self.momentum);
+        balance.push(Vector3::zeros());
         let mut acting = scratch.vectors.filled(balance.len(), Vector3::zeros());
-        for (row, impulse) in self.rows.iter().zip(&solution.impulses) {
-            for (body, J) in row.blocks() {
+        for ((row, weighted), impulse) in self.rows.iter().zip(&metric.rows).zip(impulses) {
+            for (body, J) in weighted.bodies.into_iter().zip(&row.jacobian) {
                 let change = J * *impulse;
-                balance[body] += change;
-                acting[body] += change.abs();
+                balance[body as usize] += change;
+                acting[body as usize] += change.abs();
             }
         }
         let mut worst = 0.0_f64;
-        for (body, (m, v)) in self.mass.iter().zip(&solution.velocities).enumerate() {
-            let defect = m.component_mul(v) - balance[body];
-            let defect = metric.weighted_momentum(body, &defect);
+        for (body, (m, v)) in self.mass.iter().zip(v).enumerate() {
+            let defect = metric.weighted_momentum(body, &(m.component_mul(v) - balance[body]));
             let acting = metric.weighted_momentum(body, &acting[body]);
             for k in 0..3 {
                 let scale = metric.scale + ROUNDING * acting[k];

@@ -53,22 +53,10 @@ impl Lcp {
     /// Remainders u = J v + c λ − b per row, m/s or rad/s.
     #[must_use]
     pub fn remainders(&self, velocities: &[Vector3<f64>], impulses: &[f64]) -> Vec<f64> {
-        let mut remainders = Vec::new();
-        self.remainders_into(velocities, impulses, &mut remainders);
-        remainders
-    }
-
-    pub(crate) fn remainders_into(
-        &self,
-        velocities: &[Vector3<f64>],
-        impulses: &[f64],
-        remainders: &mut Vec<f64>,
-    ) {
         let remainder = |(row, &impulse): (&Row, &f64)| {
             row.velocity(velocities) + row.compliance * impulse - row.rhs
         };
-        remainders.clear();
-        remainders.extend(self.rows.iter().zip(impulses).map(remainder));
+        self.rows.iter().zip(impulses).map(remainder).collect()
     }
 
     /// Velocities v = M⁻¹ (p + Jᵀ λ) for given impulses.
