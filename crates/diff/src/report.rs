@@ -107,13 +107,16 @@ impl GradientReport {
     }
 }
 
+/// The questions are asked in the order of their cost.
 fn at_bounce(context: &RowContext<'_>, source: RowSource) -> bool {
     let RowSource::Normal { contact } = source else { return false };
-    let [a, b] = context.contact_bodies(contact);
-    if context.scene.pair_restitution(a, b).value == 0.0 {
+    let gap = context.contacts[contact as usize].gap;
+    if gap <= 0.0 {
         return false;
     }
-    let geometry = context.geometry(source);
-    let (gap, travel) = (geometry.value, context.scene.dt() * context.speed(&geometry));
-    gap > context.contact_slop(contact) && (gap + travel).abs() <= WEAK_MARGIN * gap
+    let travel = context.scene.dt() * context.speed(&context.geometry(source));
+    let [a, b] = context.contact_bodies(contact);
+    (gap + travel).abs() <= WEAK_MARGIN * gap
+        && gap > context.contact_slop(contact)
+        && context.scene.pair_restitution(a, b).value != 0.0
 }
