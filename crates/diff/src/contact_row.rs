@@ -19,15 +19,17 @@
 use nalgebra::{Vector2, Vector3, Vector4, Vector6};
 use tangency_collision::pose::perp;
 use tangency_collision::{Contact, Feature};
-use tangency_core::row::{RowContext, RowGeometry};
+use tangency_core::row::RowContext;
 
 use crate::rotations::Rotations;
+use crate::shape::Shape;
 use crate::vector::{Bars, Direction};
 
 /// A contact at the poses of a step, and what is collected over its rows.
 pub(crate) struct ContactPlace<'a> {
     contact: &'a Contact,
     bodies: [usize; 2],
+    known: [Option<usize>; 2],
     /// ρ, m.
     arms: [Vector2<f64>; 2],
     /// ρ̄ per side, ψ̄ and ḡ.
@@ -43,7 +45,13 @@ impl<'a> ContactPlace<'a> {
         let contact = &context.contacts[contact as usize];
         let arms = bodies.map(|body| contact.point - context.q[body].xy());
         let arms_bar = [Vector2::zeros(); 2];
-        Self { contact, bodies, arms, arms_bar, turn_bar: 0.0, gap_bar: 0.0 }
+        let known = bodies.map(Some);
+        Self { contact, bodies, known, arms, arms_bar, turn_bar: 0.0, gap_bar: 0.0 }
+    }
+
+    /// Bodies a and b.
+    pub(crate) fn bodies(&self) -> &[Option<usize>; 2] {
+        &self.known
     }
 
     /// n.
@@ -57,13 +65,15 @@ impl<'a> ContactPlace<'a> {
     }
 
     /// Value and gradient of the row along d.
-    pub(crate) fn geometry(&self, d: &Vector2<f64>, value: f64) -> RowGeometry {
+    #[inline]
+    pub(crate) fn shape(&self, d: &Vector2<f64>, value: f64) -> Shape {
         let [turn_a, turn_b] = self.arms.map(|arm| d.dot(&perp(&arm)));
         let jacobian = [Vector3::new(-d.x, -d.y, -turn_a), Vector3::new(d.x, d.y, turn_b)];
-        RowGeometry { bodies: self.bodies.map(Some), value, jacobian }
+        Shape { value, jacobian }
     }
 
     /// Collects ∂L/∂J (1 × 3 per side) and ∂L/∂gap of the row along d.
+    #[inline]
     pub(crate) fn add_row(&mut self, d: &Vector2<f64>, bar: &[Vector3<f64>; 2], gap_bar: f64) {
         let ([a, b], [arm_a, arm_b], turned) = (bar, &self.arms, perp(d));
         let d_bar = b.xy() - a.xy() - perp(arm_a) * a.z + perp(arm_b) * b.z;

@@ -5,22 +5,22 @@
 //!  s̄ = b̄ ∂b/∂s,   φ̄ = b̄ ∂b/∂φ,   J̄ += s̄ v (− b̄ v on driven sides),   v̄ += s̄ J (− b̄ J)
 //! ```
 
-use tangency_core::row::RowSource;
-use tangency_core::{Control, JointRow, Scene};
-
 mod pull;
 mod push;
+
+use tangency_core::row::RowSource;
+use tangency_core::{Control, JointRow, Scene};
 
 pub(crate) use pull::vjp;
 pub(crate) use push::jvp;
 
 /// The joint row behind a source, and the sign with which it enters.
-fn joint_row_of(scene: &Scene, source: RowSource) -> (u32, JointRow, f64) {
-    let free = |joint: u32| scene.joints()[joint as usize].free.expect("limits need one");
+#[inline]
+fn joint_row_of(scene: &Scene, source: RowSource) -> (u32, &JointRow, f64) {
+    let of = |joint: u32| &scene.joints()[joint as usize];
+    let free = |joint: u32| of(joint).free.as_ref().expect("limits need one");
     match source {
-        RowSource::Held { joint, row } => {
-            (joint, scene.joints()[joint as usize].held[row as usize], 1.0)
-        }
+        RowSource::Held { joint, row } => (joint, &of(joint).held[row as usize], 1.0),
         RowSource::Lower { joint } | RowSource::Motor { joint } => (joint, free(joint), 1.0),
         RowSource::Upper { joint } => (joint, free(joint), -1.0),
         RowSource::Normal { .. } | RowSource::Tangent { .. } => {

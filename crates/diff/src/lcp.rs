@@ -23,15 +23,15 @@
 
 #![expect(non_snake_case, reason = "matrices carry their names from the paper")]
 
+mod adjoint;
+mod switches;
+
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, Row};
 pub use tangency_lcp::{WeakKind, WeakRow};
 use thiserror::Error;
-
-mod adjoint;
-mod switches;
 
 pub use adjoint::LcpAdjoint;
 

@@ -16,6 +16,7 @@ mod island;
 mod joint_row;
 mod momentum;
 mod rotations;
+mod shape;
 mod softening;
 mod vector;
 // steps and rollouts,

@@ -44,18 +44,20 @@ pub(crate) fn vjp(
             }
             Control::JointForce { joint } => {
                 let (index, free) = free_row(scene, joint);
-                let place = JointPlace::new(context, index, rotations);
-                let row = place.geometry(free);
+                let mut place = JointPlace::new(context, index, rotations);
+                let shape = place.shape(&free);
                 let pushed = |body: Option<usize>| match body {
                     Some(body) if scene.is_dynamic(body) => p_bar[body],
                     _ => Vector3::zeros(),
                 };
-                let sides = row.bodies.map(pushed);
-                let power = row.jacobian[0].dot(&sides[0]) + row.jacobian[1].dot(&sides[1]);
+                let sides = place.bodies().map(pushed);
+                let [j_a, j_b] = &shape.jacobian;
+                let power = j_a.dot(&sides[0]) + j_b.dot(&sides[1]);
                 bars.control[channel] += scene.dt() * power;
                 bars.scene.dt += u * power;
                 let j_bar = sides.map(|side| side * (scene.dt() * u));
-                place.pull_row(free.measure, &j_bar, 0.0, bars);
+                place.add_row(&free.measure, &j_bar, 0.0);
+                place.pull_back(bars);
             }
             Control::MotorSpeed { .. } => {}
         }

@@ -89,7 +89,9 @@ impl GradientReport {
     /// Adds the contacts for which `gap + dt Jₙ v⁻` is zero to rounding, the switch of restitution.
     pub(crate) fn add_bounces(&mut self, context: &RowContext<'_>, island: &IslandRecord) {
         let bounces = island.stage != Stage::Plastic;
-        if context.scene.contact_model() != ContactModel::Gap || !bounces {
+        let gaps =
+            context.scene.contact_model() == ContactModel::Gap && !context.contacts.is_empty();
+        if !gaps || !bounces {
             return;
         }
         let step = self.step;

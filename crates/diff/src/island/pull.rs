@@ -1,17 +1,20 @@
 //! The assembly of an island read backwards.
 
-use nalgebra::{Vector2, Vector3};
+use std::ops::Range;
+
+use nalgebra::Vector3;
 use tangency_collision::pose;
+use tangency_core::IslandRecord;
 use tangency_core::measure::Measure;
 use tangency_core::rhs::Rhs;
-use tangency_core::row::{RowContext, RowGeometry, RowSource};
-use tangency_core::{IslandRecord, Scene};
+use tangency_core::row::{RowContext, RowSource};
 
 use super::{joint_row_of, motor_channels};
 use crate::contact_row::ContactPlace;
 use crate::joint_row::JointPlace;
 use crate::lcp::{LcpAdjoint, RowVector};
 use crate::rotations::Rotations;
+use crate::shape::Shape;
 use crate::softening;
 use crate::vector::Bars;
 
@@ -27,131 +30,144 @@ pub(crate) fn vjp(
     for (local, body) in island.bodies.iter().enumerate() {
         bars.scene.bodies[*body as usize].mass += adjoint.mass(&island.solution, local);
     }
-    let (joint, contact) = (None, None);
-    let mut pull = Pull { context, rotations, bars, joint, contact };
-    for (row, source) in island.sources.iter().enumerate() {
-        if adjoint.is_idle(&island.solution, row) {
+    let mut pull = Pull { context, island, adjoint, rotations, bars };
+    let mut start = 0;
+    for sources in island.sources.chunk_by(|a, b| owner(*a) == owner(*b)) {
+        let rows = start..start + sources.len();
+        start = rows.end;
+        if rows.clone().all(|row| adjoint.is_idle(&island.solution, row)) {
             continue;
         }
-        let mut bar = adjoint.row(&island.problem, &island.solution, row);
-        if context.stage.gives_way() {
-            softening::vjp(context, island, row, &mut bar, pull.bars.scene);
-        }
-        pull.row(*source, &bar);
-    }
-    pull.close_contact();
-}
-
-/// What the rows of an island are pulled back through, one after the other.
-struct Pull<'a, 'b, 'c> {
-    context: &'b RowContext<'a>,
-    rotations: &'b mut Rotations,
-    bars: &'b mut Bars<'c>,
-    /// Joint and contact of the row before: rows of one come together.
-    joint: Option<(u32, JointPlace)>,
-    contact: Option<(u32, ContactPlace<'a>)>,
-}
-
-impl Pull<'_, '_, '_> {
-    fn row(&mut self, source: RowSource, bar: &RowVector) {
-        match source {
-            RowSource::Normal { contact } => {
-                let place = self.open_contact(contact);
-                let (d, gap) = (place.normal(), place.gap());
-                self.contact_row(source, &d, gap, bar);
-            }
-            RowSource::Tangent { contact } => {
-                let d = pose::perp(&self.open_contact(contact).normal());
-                self.contact_row(source, &d, 0.0, bar);
-            }
-            _ => self.joint_row(source, bar),
-        }
-    }
-
-    fn contact_row(&mut self, source: RowSource, d: &Vector2<f64>, gap: f64, bar: &RowVector) {
-        let Some((_, place)) = &mut self.contact else { return };
-        let geometry = place.geometry(d, gap);
-        let (j_bar, gap_bar) = pull_right_side(self.context, source, &geometry, bar, self.bars);
-        place.add_row(d, &j_bar, gap_bar);
-    }
-
-    fn joint_row(&mut self, source: RowSource, bar: &RowVector) {
-        let (joint, row, sign) = joint_row_of(self.context.scene, source);
-        if self.joint.as_ref().is_none_or(|(open, _)| *open != joint) {
-            self.joint = Some((joint, JointPlace::new(self.context, joint, self.rotations)));
-        }
-        let Some((_, place)) = &self.joint else { return };
-        let geometry = of_source(self.context.scene, source, place.geometry(row));
-        let (j_bar, error_bar) = pull_right_side(self.context, source, &geometry, bar, self.bars);
-        let (j_bar, value_bar) = (j_bar.map(|j_bar| j_bar * sign), error_bar * sign);
-        place.pull_row(row.measure, &j_bar, value_bar, self.bars);
-        let by = &mut self.bars.scene.joints[joint as usize];
-        match source {
-            RowSource::Held { row: 0, .. } if row.measure == Measure::Length => {
-                by.length -= value_bar;
-            }
-            RowSource::Lower { .. } => by.lower -= value_bar,
-            RowSource::Upper { .. } => by.upper -= value_bar,
-            _ => {}
-        }
-    }
-
-    /// The contact of the row at hand; what the one before collected is pulled back.
-    fn open_contact(&mut self, contact: u32) -> &ContactPlace<'_> {
-        if self.contact.as_ref().is_none_or(|(open, _)| *open != contact) {
-            self.close_contact();
-        }
-        &self.contact.get_or_insert_with(|| (contact, ContactPlace::new(self.context, contact))).1
-    }
-
-    fn close_contact(&mut self) {
-        if let Some((_, place)) = self.contact.take() {
-            place.pull_back(self.context, self.rotations, self.bars);
+        match owner(sources[0]) {
+            Owner::Joint(joint) => pull.joint(joint, rows),
+            Owner::Contact(contact) => pull.contact(contact, rows),
         }
     }
 }
 
-/// Error or gap of a row from φ − reference: `φ − lower`, `upper − φ`, nothing for motors.
-fn of_source(scene: &Scene, source: RowSource, measured: RowGeometry) -> RowGeometry {
-    let RowGeometry { value, jacobian, .. } = measured;
-    let limits = |joint: u32| scene.joints()[joint as usize].limits;
+/// What rows are rows of.
+#[derive(Clone, Copy, PartialEq)]
+enum Owner {
+    Joint(u32),
+    Contact(u32),
+}
+
+#[inline]
+fn owner(source: RowSource) -> Owner {
     match source {
-        RowSource::Lower { joint } => {
-            let lower = limits(joint).lower.expect("a lower row has a lower limit");
-            RowGeometry { value: value - lower, ..measured }
-        }
-        RowSource::Upper { joint } => {
-            let upper = limits(joint).upper.expect("an upper row has an upper limit");
-            RowGeometry { value: upper - value, jacobian: jacobian.map(|j| -j), ..measured }
-        }
-        RowSource::Motor { .. } => RowGeometry { value: 0.0, ..measured },
-        _ => measured,
+        RowSource::Held { joint, .. }
+        | RowSource::Lower { joint }
+        | RowSource::Upper { joint }
+        | RowSource::Motor { joint } => Owner::Joint(joint),
+        RowSource::Normal { contact } | RowSource::Tangent { contact } => Owner::Contact(contact),
     }
 }
 
-/// Pulls b̄ and c̄ of a row back; returns J̄ with what comes through J·v, and φ̄.
-fn pull_right_side(
-    context: &RowContext<'_>,
-    source: RowSource,
-    geometry: &RowGeometry,
-    bar: &RowVector,
-    bars: &mut Bars<'_>,
-) -> ([Vector3<f64>; 2], f64) {
-    let rhs = context.rhs(source, geometry.value, context.speed(geometry));
-    pull_parameters(context, source, bar, &rhs, bars);
-    bars.scene.dt += bar.rhs * rhs.d_dt + bar.compliance * rhs.compliance_d_dt;
-    let speed_bar = bar.rhs * rhs.d_speed;
-    let mut j_bar = bar.jacobian;
-    for (side, j_bar) in j_bar.iter_mut().enumerate() {
-        let Some(body) = geometry.bodies[side] else { continue };
-        let driven = context.stage.is_velocity() && !context.scene.is_dynamic(body);
-        let rate = speed_bar - if driven { bar.rhs } else { 0.0 };
-        if rate != 0.0 {
-            *j_bar += context.v[body] * rate;
-            bars.state.v[body] += geometry.jacobian[side] * rate;
+/// What the rows of an island are pulled back through.
+struct Pull<'a, 'b> {
+    context: &'a RowContext<'a>,
+    island: &'a IslandRecord,
+    adjoint: &'a LcpAdjoint,
+    rotations: &'a mut Rotations,
+    bars: &'a mut Bars<'b>,
+}
+
+impl Pull<'_, '_> {
+    /// Consecutive rows of one joint.
+    fn joint(&mut self, joint: u32, rows: Range<usize>) {
+        let mut place = JointPlace::new(self.context, joint, self.rotations);
+        for row in rows {
+            let source = self.island.sources[row];
+            let (_, it, sign) = joint_row_of(self.context.scene, source);
+            let mut bar = self.row_bar(row);
+            if sign < 0.0 {
+                bar.jacobian = bar.jacobian.map(|j_bar| -j_bar);
+            }
+            let mut shape = place.shape(it);
+            shape.value = self.error(source, shape.value);
+            let value_bar = sign * self.right_side(source, sign, place.bodies(), &shape, &mut bar);
+            place.add_row(&it.measure, &bar.jacobian, value_bar);
+            let by = &mut self.bars.scene.joints[joint as usize];
+            match source {
+                RowSource::Held { row: 0, .. } if it.measure == Measure::Length => {
+                    by.length -= value_bar;
+                }
+                RowSource::Lower { .. } => by.lower -= value_bar,
+                RowSource::Upper { .. } => by.upper -= value_bar,
+                _ => {}
+            }
+        }
+        place.pull_back(self.bars);
+    }
+
+    /// Error or gap of a row from φ − reference: `φ − lower`, `upper − φ`, nothing for motors.
+    fn error(&self, source: RowSource, value: f64) -> f64 {
+        let limits = |joint: u32| self.context.scene.joints()[joint as usize].limits;
+        match source {
+            RowSource::Lower { joint } => value - limits(joint).lower.expect("of a lower row"),
+            RowSource::Upper { joint } => limits(joint).upper.expect("of an upper row") - value,
+            RowSource::Motor { .. } => 0.0,
+            _ => value,
         }
     }
-    (j_bar, bar.rhs * rhs.d_position)
+
+    /// Consecutive rows of one contact.
+    fn contact(&mut self, contact: u32, rows: Range<usize>) {
+        let mut place = ContactPlace::new(self.context, contact);
+        for row in rows {
+            let source = self.island.sources[row];
+            let (d, gap) = match source {
+                RowSource::Normal { .. } => (place.normal(), place.gap()),
+                _ => (pose::perp(&place.normal()), 0.0),
+            };
+            let shape = place.shape(&d, gap);
+            let mut bar = self.row_bar(row);
+            let gap_bar = self.right_side(source, 1.0, place.bodies(), &shape, &mut bar);
+            place.add_row(&d, &bar.jacobian, gap_bar);
+        }
+        place.pull_back(self.context, self.rotations, self.bars);
+    }
+
+    /// The cotangents of a row, with what comes through the compliance it gives way by.
+    #[inline]
+    fn row_bar(&mut self, row: usize) -> RowVector {
+        let IslandRecord { problem, solution, .. } = self.island;
+        let mut bar = self.adjoint.row(problem, solution, row);
+        if self.context.stage.gives_way() {
+            softening::vjp(self.context, self.island, row, &mut bar, self.bars.scene);
+        }
+        bar
+    }
+
+    /// Pulls b̄ and c̄ of a row back; adds to J̄ what comes through J·v and returns φ̄. `sign` is that
+    /// with which J and J̄ enter the row.
+    fn right_side(
+        &mut self,
+        source: RowSource,
+        sign: f64,
+        bodies: &[Option<usize>; 2],
+        shape: &Shape,
+        bar: &mut RowVector,
+    ) -> f64 {
+        let (context, bars) = (self.context, &mut *self.bars);
+        let sides = bodies.iter().zip(&shape.jacobian);
+        let along = |(body, j): (&Option<usize>, &Vector3<f64>)| {
+            body.map_or(0.0, |body| j.dot(&context.v[body]))
+        };
+        let rhs = context.rhs(source, shape.value, sign * sides.map(along).sum::<f64>());
+        pull_parameters(context, source, bar, &rhs, bars);
+        bars.scene.dt += bar.rhs * rhs.d_dt + bar.compliance * rhs.compliance_d_dt;
+        for (side, body) in bodies.iter().enumerate() {
+            let Some(body) = *body else { continue };
+            let driven = context.stage.is_velocity() && !context.scene.is_dynamic(body);
+            let rate = sign * bar.rhs * (rhs.d_speed - if driven { 1.0 } else { 0.0 });
+            if rate != 0.0 {
+                bar.jacobian[side] += context.v[body] * rate;
+                bars.state.v[body] += shape.jacobian[side] * rate;
+            }
+        }
+        bar.rhs * rhs.d_position
+    }
 }
 
 fn pull_parameters(

@@ -118,7 +118,7 @@ fn geometry_jvp(
         }
         _ => {
             let (joint, row, sign) = joint_row_of(context.scene, source);
-            let (dj, d_value) = joint_row::geometry_jvp(context, joint, row, along);
+            let (dj, d_value) = joint_row::geometry_jvp(context, joint, *row, along);
             let it = &along.scene.joints[joint as usize];
             let d_reference = match source {
                 RowSource::Held { row: 0, .. } if has_length(context.scene, joint) => it.length,

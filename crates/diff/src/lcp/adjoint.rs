@@ -1,36 +1,42 @@
 //! The backward solve of one problem, and the cotangents that follow from it row by row.
 
 use nalgebra::Vector3;
-use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, Reduced};
+use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, NO_BODY, Reduced};
 
 use super::{
     LcpDiffError, LcpGradientReport, LcpVector, RowVector, check, check_finite, check_solution,
-    sides, switches,
+    switches,
 };
 
 /// The adjoint a = (a_v, a_y) of a problem's solution, in memory that the next problem uses again.
 ///
 /// [`lcp_vjp`](super::lcp_vjp) spreads it out into an [`LcpVector`]; who has a use for every row at
 /// once takes [`row`](Self::row) instead and needs none.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct LcpAdjoint {
     reduced: Reduced,
     /// Cotangents of the active impulses.
     y_bar: Vec<f64>,
-    /// a_y per row of the problem, 0 where a row is not active.
-    by_row: Vec<f64>,
-    /// μ̄ or h̄ per row of the problem.
-    bounds: Vec<f64>,
+    rows: Vec<RowAdjoint>,
     /// Memory for the search of weak rows.
     weights: Vec<f64>,
     rank_defect: u32,
 }
 
+/// What belongs to one row of the problem.
+#[derive(Clone, Copy, Debug, Default)]
+struct RowAdjoint {
+    /// a_y, 0 where the row is not active.
+    a_y: f64,
+    /// μ̄ or h̄.
+    bound: f64,
+}
+
 impl Default for LcpAdjoint {
     fn default() -> Self {
         let reduced = Reduced { velocities: Vec::new(), impulses: Vec::new(), defect: 0.0 };
-        let [y_bar, by_row, bounds, weights] = [const { Vec::new() }; 4];
-        Self { reduced, y_bar, by_row, bounds, weights, rank_defect: 0 }
+        let (y_bar, rows, weights) = (Vec::new(), Vec::new(), Vec::new());
+        Self { reduced, y_bar, rows, weights, rank_defect: 0 }
     }
 }
 
@@ -51,13 +57,11 @@ impl LcpAdjoint {
         if let Some(bar) = impulse_bar {
             check("impulse_bar", problem.rows.len(), bar.len())?;
         }
-        match &solution.system {
-            Some(system) => self.solve_in(system, problem, solution, velocity_bar, impulse_bar),
-            None => {
-                let system = ActiveSystem::new(problem, &Metric::new(problem), &solution.modes);
-                self.solve_in(&system, problem, solution, velocity_bar, impulse_bar)
-            }
+        if let Some(system) = &solution.system {
+            return self.solve_in(system, problem, solution, velocity_bar, impulse_bar);
         }
+        let system = ActiveSystem::new(problem, &Metric::new(problem), &solution.modes);
+        self.solve_in(&system, problem, solution, velocity_bar, impulse_bar)
     }
 
     /// a_v per body, the cotangents of the momenta p.
@@ -78,20 +82,29 @@ impl LcpAdjoint {
     ///  b̄ᵢ = a_y,i      c̄ᵢ = −a_y,i λᵢ      J̄ᵢ = λᵢ a_v − a_y,i v
     /// ```
     #[must_use]
+    #[inline]
     pub fn row(&self, problem: &Lcp, solution: &LcpSolution, row: usize) -> RowVector {
-        let (a_y, impulse) = (self.by_row[row], solution.impulses[row]);
-        let (a_v, v) = (&self.reduced.velocities, &solution.velocities);
-        let mut jacobian = [Vector3::zeros(); 2];
-        for (side, body) in sides(&problem.rows[row]) {
-            jacobian[side] = a_v[body] * impulse - v[body] * a_y;
+        let (RowAdjoint { a_y, bound }, impulse) = (self.rows[row], solution.impulses[row]);
+        let [a, b] = problem.rows[row].bodies;
+        let jacobian =
+            [self.block(solution, a, a_y, impulse), self.block(solution, b, a_y, impulse)];
+        RowVector { jacobian, rhs: a_y, compliance: -a_y * impulse, bound }
+    }
+
+    #[inline]
+    fn block(&self, solution: &LcpSolution, body: u32, a_y: f64, impulse: f64) -> Vector3<f64> {
+        if body == NO_BODY {
+            return Vector3::zeros();
         }
-        RowVector { jacobian, rhs: a_y, compliance: -a_y * impulse, bound: self.bounds[row] }
+        let body = body as usize;
+        self.reduced.velocities[body] * impulse - solution.velocities[body] * a_y
     }
 
     /// Whether nothing depends on a row: an open contact, say.
     #[must_use]
     pub fn is_idle(&self, solution: &LcpSolution, row: usize) -> bool {
-        self.by_row[row] == 0.0 && solution.impulses[row] == 0.0 && self.bounds[row] == 0.0
+        let RowAdjoint { a_y, bound } = self.rows[row];
+        a_y == 0.0 && bound == 0.0 && solution.impulses[row] == 0.0
     }
 
     /// What the user of the derivative should know.
@@ -132,22 +145,19 @@ impl LcpAdjoint {
         check_finite(system, self.reduced.defect)?;
 
         let a_v = &self.reduced.velocities;
-        let rows = problem.rows.len();
-        for list in [&mut self.by_row, &mut self.bounds] {
-            list.clear();
-            list.resize(rows, 0.0);
-        }
-        for (row, a) in system.rows().iter().zip(&self.reduced.impulses) {
-            self.by_row[*row as usize] = *a;
+        self.rows.clear();
+        self.rows.resize(problem.rows.len(), RowAdjoint::default());
+        for (row, a_y) in system.rows().iter().zip(&self.reduced.impulses) {
+            self.rows[*row as usize].a_y = *a_y;
         }
         let along = |row: u32| problem.row_velocity(row as usize, a_v) + impulse_bar(row);
         for fold in system.folds() {
             let normal = system.rows()[fold.column as usize] as usize;
-            self.bounds[fold.row as usize] =
+            self.rows[fold.row as usize].bound =
                 fold.coefficient.signum() * solution.impulses[normal] * along(fold.row);
         }
         for &(row, impulse) in system.saturated() {
-            self.bounds[row as usize] = impulse.signum() * along(row);
+            self.rows[row as usize].bound = impulse.signum() * along(row);
         }
         Ok(())
     }
