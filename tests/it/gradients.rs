@@ -11,7 +11,7 @@ pub(crate) mod numbers;
 mod signature;
 
 use nalgebra::Vector3;
-use tangency::diff::{Gradient, RolloutVector, gradient, tangent};
+use tangency::diff::{Gradient, RolloutVector, StateVector, gradient, gradient_adding, tangent};
 use tangency::{LcpSolver, Param, Rollout, Scene, State, rollout};
 use tangency_bench::finite_difference::derivative;
 
@@ -226,6 +226,17 @@ fn reverse_and_forward_mode_are_transposes() {
 }
 
 /// A parameter shared between bodies is the sum over them.
+#[test]
+fn seeds_may_be_added_in_place() {
+    let solver = &backends()[0];
+    for entry in battery() {
+        let run = Run::new(&entry, &**solver);
+        let add = |k: usize, state: &State, bar: &mut StateVector| bar.add(&coefficients(k, state));
+        let added = gradient_adding(&run.scene, &run.tape, add).expect("a gradient");
+        assert_eq!(added, run.gradient(), "{}", run.scene.def().name);
+    }
+}
+
 #[test]
 fn shared_parameters() {
     for solver in backends() {

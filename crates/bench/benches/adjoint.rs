@@ -1,13 +1,15 @@
-//! The paper's chain with one mass per link: forward pass, reverse pass, finite differences.
+//! What a gradient costs beside the run that it is of: the scenes of the races, and the paper's chain
+//! with one mass per link, against finite differences.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use tangency::core::{Param, Rollout, Scene, State, simulate};
-use tangency::diff::{StateVector, gradient};
+use tangency::diff::{StateVector, gradient, gradient_adding};
 use tangency_bench::{finite_difference::derivative, scenes};
 
 const STEPS: usize = 60;
+const RACE_STEPS: usize = 200;
 
 fn final_pose(_: usize, state: &State) -> StateVector {
     let mut seed = StateVector::like(state);
@@ -19,7 +21,34 @@ fn loss(rollout: &Rollout) -> f64 {
     rollout.last().q.iter().map(|q| q.x).sum()
 }
 
-fn forward_and_reverse(criterion: &mut Criterion) {
+/// Value, and gradient by all numbers of the scene, all controls and the initial state; the loss sees
+/// every state.
+fn races(criterion: &mut Criterion) {
+    let solver = tangency::default_solver();
+    let mut group = criterion.benchmark_group("race scenes, 200 steps");
+    let defs = [
+        scenes::race_bounce(),
+        scenes::race_stack(10),
+        scenes::race_chain(10),
+        scenes::race_cartpole(),
+    ];
+    for def in defs {
+        let scene = Scene::new(&def).expect("a valid scene");
+        let tape = simulate(&scene, &*solver, RACE_STEPS).expect("a run");
+        group.bench_function(BenchmarkId::new("forward", &def.name), |bencher| {
+            bencher.iter(|| simulate(black_box(&scene), &*solver, RACE_STEPS));
+        });
+        group.bench_function(BenchmarkId::new("reverse", &def.name), |bencher| {
+            bencher.iter(|| {
+                gradient_adding(&scene, black_box(&tape), |_, _, bar| {
+                    bar.q.iter_mut().for_each(|q| q.x += 1.0);
+                })
+            });
+        });
+    }
+}
+
+fn paper_chain(criterion: &mut Criterion) {
     let solver = tangency::default_solver();
     let mut group = criterion.benchmark_group("paper chain, 60 steps");
     for n in [1, 2, 5, 10, 20, 40] {
@@ -60,6 +89,6 @@ criterion_group! {
         .sample_size(10)
         .warm_up_time(std::time::Duration::from_millis(200))
         .measurement_time(std::time::Duration::from_millis(800));
-    targets = forward_and_reverse
+    targets = races, paper_chain
 }
 criterion_main!(benches);

@@ -6,67 +6,132 @@
 //!  ρ̄_a = J̄_aθ ⊥d     ρ̄_b = −J̄_bθ ⊥d              c̄ = ρ̄_a + ρ̄_b     p̄ = −ρ̄
 //! ```
 //!
-//! Point c, angle ψ of the normal, and gap then go through the contact's own derivative.
+//! Point c, angle ψ of the normal, and gap then go through the contact's own derivative, that of
+//! `ContactFeature::jet` read backwards. With o the side whose point the contact rides on, s = +1 for
+//! a and −1 for b:
+//!
+//! ```text
+//!  ψ̄ += s (r_o + gap/2) t·c̄      h = s n·c̄      ḡ += h/2      r̄ = −ḡ (+ h for o)
+//!  w̄ = ḡ n      ψ̄ += ḡ t·w      Points: w̄ += ψ̄ t/|w|      LineA: θ̄_a += ψ̄      LineB: θ̄_b += ψ̄
+//!  x̄_a = −w̄      x̄_b = w̄      x̄_o += c̄      p̄ += x̄      θ̄ += ⊥(x − p)·x̄
+//! ```
 
 use nalgebra::{Vector2, Vector3, Vector4, Vector6};
-use tangency_collision::{Contact, pose};
+use tangency_collision::pose::perp;
+use tangency_collision::{Contact, Feature};
 use tangency_core::row::RowContext;
 
+use crate::rotations::Rotations;
+use crate::shape::Shape;
 use crate::vector::{Bars, Direction};
 
-/// ∂L/∂(c_x, c_y, ψ, gap) of every contact, collected over its rows.
-pub(crate) struct ContactBars(Vec<Vector4<f64>>);
+/// A contact at the poses of a step, and what is collected over its rows.
+pub(crate) struct ContactPlace<'a> {
+    contact: &'a Contact,
+    bodies: [usize; 2],
+    known: [Option<usize>; 2],
+    /// ρ, m.
+    arms: [Vector2<f64>; 2],
+    /// ρ̄ per side, ψ̄ and ḡ.
+    arms_bar: [Vector2<f64>; 2],
+    turn_bar: f64,
+    gap_bar: f64,
+}
 
-impl ContactBars {
-    pub(crate) fn new(contacts: usize) -> Self {
-        Self(vec![Vector4::zeros(); contacts])
+impl<'a> ContactPlace<'a> {
+    /// The contact at the context's poses.
+    pub(crate) fn new(context: &RowContext<'a>, contact: u32) -> Self {
+        let bodies = context.contact_bodies(contact);
+        let contact = &context.contacts[contact as usize];
+        let arms = bodies.map(|body| contact.point - context.q[body].xy());
+        let arms_bar = [Vector2::zeros(); 2];
+        let known = bodies.map(Some);
+        Self { contact, bodies, known, arms, arms_bar, turn_bar: 0.0, gap_bar: 0.0 }
     }
 
-    /// Pulls ∂L/∂J (6) of one row onto the contact and the bodies' positions.
-    pub(crate) fn add_row(
-        &mut self,
-        context: &RowContext<'_>,
-        contact: u32,
-        d: &Vector2<f64>,
-        j_bar: &Vector6<f64>,
-        bars: &mut Bars<'_>,
-    ) {
-        let [a, b] = context.contact_bodies(contact);
-        let point = context.contacts[contact as usize].point;
-        let (rho_a, rho_b) = (point - context.q[a].xy(), point - context.q[b].xy());
-        let turned = pose::perp(d);
-        let d_bar = Vector2::new(j_bar[3] - j_bar[0], j_bar[4] - j_bar[1])
-            - j_bar[2] * pose::perp(&rho_a)
-            + j_bar[5] * pose::perp(&rho_b);
-        let (rho_a_bar, rho_b_bar) = (turned * j_bar[2], -turned * j_bar[5]);
-        let c_bar = rho_a_bar + rho_b_bar;
-        self.0[contact as usize] += Vector4::new(c_bar.x, c_bar.y, d_bar.dot(&turned), 0.0);
-        bars.state.q[a] -= Vector3::new(rho_a_bar.x, rho_a_bar.y, 0.0);
-        bars.state.q[b] -= Vector3::new(rho_b_bar.x, rho_b_bar.y, 0.0);
+    /// Bodies a and b.
+    pub(crate) fn bodies(&self) -> &[Option<usize>; 2] {
+        &self.known
     }
 
-    pub(crate) fn add_gap(&mut self, contact: u32, gap_bar: f64) {
-        self.0[contact as usize].w += gap_bar;
+    /// n.
+    pub(crate) fn normal(&self) -> Vector2<f64> {
+        self.contact.normal
+    }
+
+    /// Gap, m.
+    pub(crate) fn gap(&self) -> f64 {
+        self.contact.gap
+    }
+
+    /// Value and gradient of the row along d.
+    #[inline]
+    pub(crate) fn shape(&self, d: &Vector2<f64>, value: f64) -> Shape {
+        let [turn_a, turn_b] = self.arms.map(|arm| d.dot(&perp(&arm)));
+        let jacobian = [Vector3::new(-d.x, -d.y, -turn_a), Vector3::new(d.x, d.y, turn_b)];
+        Shape { value, jacobian }
+    }
+
+    /// Collects ∂L/∂J (1 × 3 per side) and ∂L/∂gap of the row along d.
+    #[inline]
+    pub(crate) fn add_row(&mut self, d: &Vector2<f64>, bar: &[Vector3<f64>; 2], gap_bar: f64) {
+        let ([a, b], [arm_a, arm_b], turned) = (bar, &self.arms, perp(d));
+        let d_bar = b.xy() - a.xy() - perp(arm_a) * a.z + perp(arm_b) * b.z;
+        self.turn_bar += d_bar.dot(&turned);
+        self.arms_bar[0] += turned * a.z;
+        self.arms_bar[1] -= turned * b.z;
+        self.gap_bar += gap_bar;
     }
 
     /// Pulls what was collected onto poses and radii.
-    pub(crate) fn pull_back(self, context: &RowContext<'_>, bars: &mut Bars<'_>) {
-        for (contact, bar) in context.contacts.iter().zip(self.0) {
-            if bar == Vector4::zeros() {
-                continue;
-            }
-            let [a, b] = contact.feature.id.bodies.map(|i| i as usize);
-            let jet = contact.feature.jet(&context.q[a], &context.q[b]);
-            let q_bar = jet.pose.tr_mul(&bar);
-            let radii_bar = jet.radii.tr_mul(&bar);
-            for (side, body) in [a, b].into_iter().enumerate() {
-                bars.state.q[body] += q_bar.fixed_rows::<3>(3 * side);
-                let shape = contact.feature.id.shapes[side] as usize;
-                if contact.feature.radii[side] > 0.0 {
-                    bars.scene.bodies[body].radii[shape] += radii_bar[side];
-                }
+    pub(crate) fn pull_back(
+        &self,
+        context: &RowContext<'_>,
+        rotations: &mut Rotations,
+        bars: &mut Bars<'_>,
+    ) {
+        let (feature, n) = (&self.contact.feature, self.contact.normal);
+        let (t, c_bar) = (perp(&n), self.arms_bar[0] + self.arms_bar[1]);
+        let own = usize::from(matches!(feature.feature, Feature::LineA { .. }));
+        let s = if own == 0 { 1.0 } else { -1.0 };
+        let half = s * n.dot(&c_bar);
+        let gap_bar = self.gap_bar + 0.5 * half;
+        let mut radii_bar = [-gap_bar; 2];
+        radii_bar[own] += half;
+
+        let [x_a, x_b] = self.points(context, rotations);
+        let [p_a, p_b] = self.bodies.map(|body| context.q[body].xy());
+        let w = p_b + x_b - p_a - x_a;
+        let lever = s * (feature.radii[own] + 0.5 * self.contact.gap);
+        let turn_bar = self.turn_bar + lever * t.dot(&c_bar) + gap_bar * t.dot(&w);
+        let (mut w_bar, mut angle_bar) = (n * gap_bar, [0.0; 2]);
+        match feature.feature {
+            Feature::Points { .. } => w_bar += t * (turn_bar / w.norm()),
+            Feature::LineA { .. } => angle_bar[0] = turn_bar,
+            Feature::LineB { .. } => angle_bar[1] = turn_bar,
+        }
+        let mut x_bar = [-w_bar, w_bar];
+        x_bar[own] += c_bar;
+        for (side, arm) in [x_a, x_b].iter().enumerate() {
+            let (body, p_bar) = (self.bodies[side], x_bar[side] - self.arms_bar[side]);
+            let angle_bar = angle_bar[side] + perp(arm).dot(&x_bar[side]);
+            bars.state.q[body] += Vector3::new(p_bar.x, p_bar.y, angle_bar);
+            if feature.radii[side] > 0.0 {
+                let shape = feature.id.shapes[side] as usize;
+                bars.scene.bodies[body].radii[shape] += radii_bar[side];
             }
         }
+    }
+
+    /// x − p of the two points whose difference w the gap measures.
+    fn points(&self, context: &RowContext<'_>, rotations: &mut Rotations) -> [Vector2<f64>; 2] {
+        let [l_a, l_b] = match self.contact.feature.feature {
+            Feature::Points { a, b } => [a, b],
+            Feature::LineA { point, b, .. } => [point, b],
+            Feature::LineB { a, point, .. } => [a, point],
+        };
+        let mut turn = |body: usize| rotations.of(body, &context.q[body]);
+        [turn(self.bodies[0]) * l_a, turn(self.bodies[1]) * l_b]
     }
 }
 
@@ -99,11 +164,11 @@ pub(crate) fn row_jvp(
 ) -> Vector6<f64> {
     let bodies = context.contact_bodies(contact);
     let point = context.contacts[contact as usize].point;
-    let dd = pose::perp(d) * change.z;
+    let dd = perp(d) * change.z;
     let turn = |body: usize| {
         let rho = point - context.q[body].xy();
         let d_rho = change.xy() - along.state.q[body].xy();
-        dd.dot(&pose::perp(&rho)) + d.dot(&pose::perp(&d_rho))
+        dd.dot(&perp(&rho)) + d.dot(&perp(&d_rho))
     };
     Vector6::new(-dd.x, -dd.y, -turn(bodies[0]), dd.x, dd.y, turn(bodies[1]))
 }

@@ -23,12 +23,17 @@
 
 #![expect(non_snake_case, reason = "matrices carry their names from the paper")]
 
+mod adjoint;
+mod switches;
+
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, Row};
 pub use tangency_lcp::{WeakKind, WeakRow};
 use thiserror::Error;
+
+pub use adjoint::LcpAdjoint;
 
 /// Margins below this, in mass-weighted units relative to s*, are reported as weakly active.
 pub const WEAK_MARGIN: f64 = 1e-7;
@@ -143,55 +148,10 @@ pub fn lcp_vjp(
     velocity_bar: &[Vector3<f64>],
     impulse_bar: Option<&[f64]>,
 ) -> Result<(LcpVector, LcpGradientReport), LcpDiffError> {
-    check_solution(problem, solution)?;
-    check("velocity_bar", problem.mass.len(), velocity_bar.len())?;
-    if let Some(bar) = impulse_bar {
-        check("impulse_bar", problem.rows.len(), bar.len())?;
-    }
-    let system = system(problem, solution);
-    let impulse_bar = |row: u32| impulse_bar.map_or(0.0, |bar| bar[row as usize]);
-    let mut y_bar: Vec<f64> = system.rows().iter().map(|&row| impulse_bar(row)).collect();
-    for fold in system.folds() {
-        y_bar[fold.column as usize] += fold.coefficient * impulse_bar(fold.row);
-    }
-    let adjoint = system.solve_transpose(problem, velocity_bar, &y_bar);
-    check_finite(&system, adjoint.defect)?;
-    let report = LcpGradientReport {
-        weak: problem.weak_rows(solution, WEAK_MARGIN),
-        rank_defect: system.rank_defect(),
-        defect: adjoint.defect,
-    };
-    let (a_v, a_y) = (&adjoint.velocities, &adjoint.impulses);
-
-    let mut bar = LcpVector::zeros(problem);
-    bar.momentum.clone_from(a_v);
-    for ((bar, a), v) in bar.mass.iter_mut().zip(a_v).zip(&solution.velocities) {
-        *bar = -a.component_mul(v);
-    }
-    for ((row, bar), lambda) in problem.rows.iter().zip(&mut bar.rows).zip(&solution.impulses) {
-        for (side, body) in sides(row) {
-            bar.jacobian[side] = *lambda * a_v[body];
-        }
-    }
-    for (&index, a) in system.rows().iter().zip(a_y) {
-        let (row, bar) = (&problem.rows[index as usize], &mut bar.rows[index as usize]);
-        bar.rhs = *a;
-        bar.compliance = -a * solution.impulses[index as usize];
-        for (side, body) in sides(row) {
-            bar.jacobian[side] -= *a * solution.velocities[body];
-        }
-    }
-    for fold in system.folds() {
-        let normal = system.rows()[fold.column as usize] as usize;
-        let along = problem.row_velocity(fold.row as usize, a_v) + impulse_bar(fold.row);
-        bar.rows[fold.row as usize].bound =
-            fold.coefficient.signum() * solution.impulses[normal] * along;
-    }
-    for &(row, impulse) in system.saturated() {
-        let along = problem.row_velocity(row as usize, a_v) + impulse_bar(row);
-        bar.rows[row as usize].bound = impulse.signum() * along;
-    }
-    Ok((bar, report))
+    let mut adjoint = LcpAdjoint::default();
+    adjoint.solve(problem, solution, velocity_bar, impulse_bar)?;
+    let bar = adjoint.spread(problem, solution);
+    Ok((bar, adjoint.report(problem, solution)))
 }
 
 /// Pushes a tangent of the problem forward: changes of the velocities, and of the impulses per row.

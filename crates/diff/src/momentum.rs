@@ -4,12 +4,13 @@
 //!  p_i = M_i (v_i + dt g s_i) + Σ overlap · wrench + dt u e_component + dt u J_freeᵀ
 //! ```
 
-use nalgebra::{Vector3, Vector6};
+use nalgebra::Vector3;
 use tangency_core::momentum::overlap;
 use tangency_core::row::RowContext;
 use tangency_core::{Control, Force, JointRow, Scene};
 
-use crate::joint_row;
+use crate::joint_row::{self, JointPlace};
+use crate::rotations::Rotations;
 use crate::vector::{Bars, Direction};
 
 /// Pulls ∂L/∂p back onto state, control and scene.
@@ -17,6 +18,7 @@ pub(crate) fn vjp(
     context: &RowContext<'_>,
     time: f64,
     p_bar: &[Vector3<f64>],
+    rotations: &mut Rotations,
     bars: &mut Bars<'_>,
 ) {
     let scene = context.scene;
@@ -42,18 +44,20 @@ pub(crate) fn vjp(
             }
             Control::JointForce { joint } => {
                 let (index, free) = free_row(scene, joint);
-                let row = context.joint_geometry(index, free);
-                let side = |s: usize| {
-                    row.bodies[s].map_or_else(Vector3::zeros, |b| {
-                        if scene.is_dynamic(b) { p_bar[b] } else { Vector3::zeros() }
-                    })
+                let mut place = JointPlace::new(context, index, rotations);
+                let shape = place.shape(&free);
+                let pushed = |body: Option<usize>| match body {
+                    Some(body) if scene.is_dynamic(body) => p_bar[body],
+                    _ => Vector3::zeros(),
                 };
-                let sides = [side(0), side(1)];
-                let power = row.jacobian[0].dot(&sides[0]) + row.jacobian[1].dot(&sides[1]);
+                let sides = place.bodies().map(pushed);
+                let [j_a, j_b] = &shape.jacobian;
+                let power = j_a.dot(&sides[0]) + j_b.dot(&sides[1]);
                 bars.control[channel] += scene.dt() * power;
                 bars.scene.dt += u * power;
-                let j_bar = stack(&sides) * (scene.dt() * u);
-                joint_row::geometry_vjp(context, index, free, &j_bar, 0.0, bars);
+                let j_bar = sides.map(|side| side * (scene.dt() * u));
+                place.add_row(&free.measure, &j_bar, 0.0);
+                place.pull_back(bars);
             }
             Control::MotorSpeed { .. } => {}
         }
@@ -114,10 +118,4 @@ fn overlap_derivative(force: &Force, time: f64, dt: f64) -> (f64, f64) {
     let runs_on = if force.end > time + dt { 1.0 } else { 0.0 };
     let had_begun = if force.start < time { 1.0 } else { 0.0 };
     (runs_on - had_begun, runs_on)
-}
-
-/// (a, b) as one vector of six.
-pub(crate) fn stack(sides: &[Vector3<f64>; 2]) -> Vector6<f64> {
-    let [a, b] = sides;
-    Vector6::new(a.x, a.y, a.z, b.x, b.y, b.z)
 }

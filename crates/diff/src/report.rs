@@ -89,7 +89,9 @@ impl GradientReport {
     /// Adds the contacts for which `gap + dt Jₙ v⁻` is zero to rounding, the switch of restitution.
     pub(crate) fn add_bounces(&mut self, context: &RowContext<'_>, island: &IslandRecord) {
         let bounces = island.stage != Stage::Plastic;
-        if context.scene.contact_model() != ContactModel::Gap || !bounces {
+        let gaps =
+            context.scene.contact_model() == ContactModel::Gap && !context.contacts.is_empty();
+        if !gaps || !bounces {
             return;
         }
         let step = self.step;
@@ -107,13 +109,16 @@ impl GradientReport {
     }
 }
 
+/// The questions are asked in the order of their cost.
 fn at_bounce(context: &RowContext<'_>, source: RowSource) -> bool {
     let RowSource::Normal { contact } = source else { return false };
-    let [a, b] = context.contact_bodies(contact);
-    if context.scene.pair_restitution(a, b).value == 0.0 {
+    let gap = context.contacts[contact as usize].gap;
+    if gap <= 0.0 {
         return false;
     }
-    let geometry = context.geometry(source);
-    let (gap, travel) = (geometry.value, context.scene.dt() * context.speed(&geometry));
-    gap > context.contact_slop(contact) && (gap + travel).abs() <= WEAK_MARGIN * gap
+    let travel = context.scene.dt() * context.speed(&context.geometry(source));
+    let [a, b] = context.contact_bodies(contact);
+    (gap + travel).abs() <= WEAK_MARGIN * gap
+        && gap > context.contact_slop(contact)
+        && context.scene.pair_restitution(a, b).value != 0.0
 }

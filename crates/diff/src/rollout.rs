@@ -4,9 +4,10 @@ use tangency_core::{Rollout, Scene, State};
 
 use crate::error::DiffError;
 use crate::report::GradientReport;
+use crate::reverse::Reverse;
 use crate::sizes;
-use crate::step::{step_jvp, step_vjp};
-use crate::vector::{Direction, RolloutVector, StateVector};
+use crate::step::step_jvp;
+use crate::vector::{Bars, Direction, RolloutVector, StateVector};
 
 /// The gradient of a loss over a rollout, and what was not smooth about it.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,25 +33,50 @@ pub fn gradient(
     rollout: &Rollout,
     mut seed: impl FnMut(usize, &State) -> Option<StateVector>,
 ) -> Result<Gradient, DiffError> {
+    sweep(scene, rollout, |k, state, bar| {
+        let Some(more) = seed(k, state) else { return Ok(()) };
+        sizes::state_vector(SEED, scene, &more)?;
+        bar.add(&more);
+        Ok(())
+    })
+}
+
+/// As [`gradient`], for a loss that is asked for more often than memory should be: `add_seed(k,
+/// state, bar)` adds ∂L/∂(state k) to `bar`, which already holds what comes through later states.
+///
+/// # Errors
+/// As [`gradient`].
+pub fn gradient_adding(
+    scene: &Scene,
+    rollout: &Rollout,
+    mut add_seed: impl FnMut(usize, &State, &mut StateVector),
+) -> Result<Gradient, DiffError> {
+    sweep(scene, rollout, |k, state, bar| {
+        add_seed(k, state, bar);
+        sizes::state_vector(SEED, scene, bar)
+    })
+}
+
+/// The tape read backwards; `add_seed` adds to the gradient by a state, or refuses.
+fn sweep(
+    scene: &Scene,
+    rollout: &Rollout,
+    mut add_seed: impl FnMut(usize, &State, &mut StateVector) -> Result<(), DiffError>,
+) -> Result<Gradient, DiffError> {
     sizes::rollout(scene, rollout)?;
     let steps = rollout.records.len();
     let mut by = RolloutVector::zeros(scene, steps);
-    let mut report = GradientReport::default();
-    let mut bar = seed(steps, rollout.last()).unwrap_or_else(|| StateVector::like(rollout.last()));
-    sizes::state_vector(SEED, scene, &bar)?;
+    let (mut report, mut reverse) = (GradientReport::default(), Reverse::default());
+    add_seed(steps, rollout.last(), &mut by.initial)?;
     for k in (0..steps).rev() {
         let (before, record) = (rollout.state(k), &rollout.records[k]);
         report.begin(k);
-        let control = &mut by.controls[k];
-        bar = step_vjp(scene, before, record, &bar, control, &mut by.scene, &mut report)
-            .map_err(|source| source.at(k))?;
-        if let Some(more) = seed(k, before) {
-            sizes::state_vector(SEED, scene, &more)?;
-            bar.add(&more);
-        }
+        let RolloutVector { initial: state, controls, scene: numbers } = &mut by;
+        let mut bars = Bars { state, control: &mut controls[k], scene: numbers };
+        reverse.step(scene, before, record, &mut bars, &mut report).map_err(|e| e.at(k))?;
+        add_seed(k, before, &mut by.initial)?;
     }
     sizes::scene_vector("the gradient by the scene", scene, &by.scene)?;
-    by.initial = bar;
     report.end();
     Ok(Gradient { by, report })
 }

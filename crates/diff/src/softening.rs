@@ -9,18 +9,24 @@ use tangency_core::IslandRecord;
 use tangency_core::lcp::{NO_BODY, Row};
 use tangency_core::row::RowContext;
 
-use crate::lcp::LcpVector;
+use crate::lcp::{LcpVector, RowVector};
+use crate::vector::SceneVector;
 
-/// Adds what the gradient by c is by J and M.
-pub(crate) fn vjp(context: &RowContext<'_>, island: &IslandRecord, bar: &mut LcpVector) {
+/// Adds what the gradient by a row's c is by its J and by M.
+pub(crate) fn vjp(
+    context: &RowContext<'_>,
+    island: &IslandRecord,
+    row: usize,
+    bar: &mut RowVector,
+    scene: &mut SceneVector,
+) {
     let problem = &island.problem;
-    for ((source, row), row_bar) in island.sources.iter().zip(&problem.rows).zip(&mut bar.rows) {
-        let c_bar = context.softness(*source) * row_bar.compliance;
-        for (side, body, block) in sides(row) {
-            let per_mass = block.component_div(&problem.mass[body]);
-            row_bar.jacobian[side] += 2.0 * c_bar * per_mass;
-            bar.mass[body] -= c_bar * per_mass.component_mul(&per_mass);
-        }
+    let c_bar = context.softness(island.sources[row]) * bar.compliance;
+    for (side, body, block) in sides(&problem.rows[row]) {
+        let per_mass = block.component_div(&problem.mass[body]);
+        bar.jacobian[side] += 2.0 * c_bar * per_mass;
+        let by_mass = c_bar * per_mass.component_mul(&per_mass);
+        scene.bodies[island.bodies[body] as usize].mass -= by_mass;
     }
 }
 

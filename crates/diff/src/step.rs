@@ -10,10 +10,11 @@ use tangency_collision::Contact;
 use tangency_core::row::{RowContext, Stage};
 use tangency_core::{IslandRecord, PostRecord, Scene, State, StepRecord};
 
-use crate::contact_row::{ContactBars, contact_jvp};
+use crate::contact_row::contact_jvp;
 use crate::error::DiffError;
-use crate::lcp::{lcp_jvp, lcp_vjp};
+use crate::lcp::lcp_jvp;
 use crate::report::GradientReport;
+use crate::reverse::Reverse;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
 use crate::{island, momentum, sizes};
 
@@ -34,38 +35,10 @@ pub fn step_vjp(
 ) -> Result<StateVector, DiffError> {
     sizes::state_vector("the gradient by a state", scene, after_bar)?;
     sizes::length("the gradient by a control", scene.controls().len(), control.len())?;
-    let mut bars = Bars { state: after_bar.clone(), control, scene: out };
-    if let Some(post) = &record.post {
-        post_vjp(scene, record, post, &mut bars, report)?;
-    }
-    // q̃ = q + dt v⁺, time⁺ = time + dt
-    let still = vec![Vector3::zeros(); bars.state.v.len()];
-    let mut v_bar = std::mem::replace(&mut bars.state.v, still);
-    for ((v_bar, q_bar), v) in v_bar.iter_mut().zip(&bars.state.q).zip(&record.after.v) {
-        *v_bar += q_bar * scene.dt();
-        bars.scene.dt += q_bar.dot(v);
-    }
-    bars.scene.dt += bars.state.time;
-
-    // v⁺ from the islands, from p/m in free flight, or driven.
-    let context = velocity_context(scene, before, record);
-    let mut p_bar = free_flight_vjp(scene, record, &v_bar, &mut bars);
-    let mut contacts = ContactBars::new(record.contacts.len());
-    for island in &record.islands {
-        let seed = gather(&island.bodies, &v_bar);
-        let (problem_bar, lcp_report) = lcp_vjp(&island.problem, &island.solution, &seed, None)?;
-        report.add(island, &lcp_report);
-        report.add_bounces(&context, island);
-        for (body, bar) in island.bodies.iter().zip(&problem_bar.momentum) {
-            p_bar[*body as usize] += bar;
-        }
-        island::vjp(&context, island, problem_bar, &mut contacts, &mut bars);
-    }
-    contacts.pull_back(&context, &mut bars);
-    momentum::vjp(&context, before.time, &p_bar, &mut bars);
-    sizes::state_vector("the gradient by a state", scene, &bars.state)?;
-    sizes::finite("the gradient by a control", bars.control.iter().all(|u| u.is_finite()))?;
-    Ok(bars.state)
+    let mut state = after_bar.clone();
+    let mut bars = Bars { state: &mut state, control, scene: out };
+    Reverse::default().step(scene, before, record, &mut bars, report)?;
+    Ok(state)
 }
 
 /// The change of the state after the step along a direction of what it depends on.
@@ -105,7 +78,7 @@ pub fn step_jvp(
     Ok(d_after)
 }
 
-fn velocity_context<'a>(
+pub(crate) fn velocity_context<'a>(
     scene: &'a Scene,
     before: &'a State,
     record: &'a StepRecord,
@@ -115,7 +88,7 @@ fn velocity_context<'a>(
     RowContext { scene, stage, q, v, control, contacts, loose: &[] }
 }
 
-fn post_context<'a>(
+pub(crate) fn post_context<'a>(
     scene: &'a Scene,
     record: &'a StepRecord,
     post: &'a PostRecord,
@@ -123,31 +96,6 @@ fn post_context<'a>(
     let (q, v, stage) = (&post.moved, &record.after.v, Stage::Post);
     let (control, contacts, loose) = (&record.control, &post.contacts, &post.loose);
     RowContext { scene, stage, q, v, control, contacts, loose }
-}
-
-/// q⁺ = q̃ + dt w: turns the gradient by q⁺ into that by q̃.
-fn post_vjp(
-    scene: &Scene,
-    record: &StepRecord,
-    post: &PostRecord,
-    bars: &mut Bars<'_>,
-    report: &mut GradientReport,
-) -> Result<(), DiffError> {
-    let context = post_context(scene, record, post);
-    let mut contacts = ContactBars::new(post.contacts.len());
-    let q_bar = bars.state.q.clone();
-    for island in &post.islands {
-        let mut seed = gather(&island.bodies, &q_bar);
-        for (seed, w) in seed.iter_mut().zip(&island.solution.velocities) {
-            bars.scene.dt += seed.dot(w);
-            *seed *= scene.dt();
-        }
-        let (problem_bar, lcp_report) = lcp_vjp(&island.problem, &island.solution, &seed, None)?;
-        report.add(island, &lcp_report);
-        island::vjp(&context, island, problem_bar, &mut contacts, bars);
-    }
-    contacts.pull_back(&context, bars);
-    Ok(())
 }
 
 fn post_jvp(
@@ -173,26 +121,6 @@ fn post_jvp(
     Ok(())
 }
 
-/// v⁺ = p/m for bodies without rows, v⁺ = v for bodies without unknowns; returns ∂L/∂p.
-fn free_flight_vjp(
-    scene: &Scene,
-    record: &StepRecord,
-    v_bar: &[Vector3<f64>],
-    bars: &mut Bars<'_>,
-) -> Vec<Vector3<f64>> {
-    let bound = bodies_with_rows(scene, &record.islands);
-    let mut p_bar = vec![Vector3::zeros(); v_bar.len()];
-    for (i, body) in scene.bodies().iter().enumerate() {
-        if !scene.is_dynamic(i) {
-            bars.state.v[i] += v_bar[i];
-        } else if !bound[i] {
-            p_bar[i] = v_bar[i].component_div(&body.mass);
-            bars.scene.bodies[i].mass -= p_bar[i].component_mul(&record.after.v[i]);
-        }
-    }
-    p_bar
-}
-
 fn bodies_with_rows(scene: &Scene, islands: &[IslandRecord]) -> Vec<bool> {
     let mut bound = vec![false; scene.bodies().len()];
     islands.iter().flat_map(|i| &i.bodies).for_each(|b| bound[*b as usize] = true);
@@ -202,10 +130,6 @@ fn bodies_with_rows(scene: &Scene, islands: &[IslandRecord]) -> Vec<bool> {
 fn contact_changes(context: &RowContext<'_>, along: &Direction<'_>) -> Vec<Vector4<f64>> {
     let change = |contact: &Contact| contact_jvp(context, contact, along);
     context.contacts.iter().map(change).collect()
-}
-
-fn gather(bodies: &[u32], from: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-    bodies.iter().map(|b| from[*b as usize]).collect()
 }
 
 fn scatter(bodies: &[u32], from: &[Vector3<f64>], to: &mut [Vector3<f64>]) {

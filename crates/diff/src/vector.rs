@@ -116,7 +116,7 @@ impl SceneVector {
 #[derive(Debug)]
 pub(crate) struct Bars<'a> {
     /// By the state before the step.
-    pub(crate) state: StateVector,
+    pub(crate) state: &'a mut StateVector,
     /// By the control of the step, one number per channel.
     pub(crate) control: &'a mut [f64],
     /// By the scene's numbers.

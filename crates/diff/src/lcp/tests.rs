@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use tangency_lcp::{Law, Lcp, LcpSolution, Metric, Mode, NO_BODY, Polish, Row, Scratch};
 
-use super::{LcpGradientReport, LcpVector, WeakKind, lcp_jvp, lcp_vjp};
+use super::{LcpAdjoint, LcpGradientReport, LcpVector, WeakKind, lcp_jvp, lcp_vjp};
 
 type V = Vector3<f64>;
 
@@ -112,6 +112,22 @@ fn single_contact_sticks_or_slips() {
     near(&[bar.rows[1].bound], &[-0.1], 1e-14);
     near(bar.momentum[0].as_slice(), &[1.0, 0.5, 0.0], 1e-14);
     assert_eq!(report, LcpGradientReport { defect: report.defect, ..Default::default() });
+}
+
+#[test]
+fn adjoint_in_used_memory() {
+    let mut adjoint = LcpAdjoint::default();
+    for problem in [mixed(2), disc(1.0), supported(1.0), disc(0.1)] {
+        let solution = solve(&problem);
+        let (bar, report) = lcp_vjp(&problem, &solution, &[V::x()], None).expect("vjp");
+        adjoint.solve(&problem, &solution, &[V::x()], None).expect("an adjoint");
+        assert_eq!(adjoint.momentum(), bar.momentum);
+        assert_eq!(adjoint.mass(&solution, 0), bar.mass[0]);
+        for (row, bar) in bar.rows.iter().enumerate() {
+            assert_eq!(adjoint.row(&problem, &solution, row), *bar);
+        }
+        assert_eq!(adjoint.report(&problem, &solution), report);
+    }
 }
 
 /// Box of half size 1/2 on two supports, weight impulse 1/10.

@@ -1,0 +1,164 @@
+//! The backward solve of one problem, and the cotangents that follow from it row by row.
+
+use nalgebra::Vector3;
+use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, NO_BODY, Reduced};
+
+use super::{
+    LcpDiffError, LcpGradientReport, LcpVector, RowVector, check, check_finite, check_solution,
+    switches,
+};
+
+/// The adjoint a = (a_v, a_y) of a problem's solution, in memory that the next problem uses again.
+///
+/// [`lcp_vjp`](super::lcp_vjp) spreads it out into an [`LcpVector`]; who has a use for every row at
+/// once takes [`row`](Self::row) instead and needs none.
+#[derive(Debug)]
+pub struct LcpAdjoint {
+    reduced: Reduced,
+    /// Cotangents of the active impulses.
+    y_bar: Vec<f64>,
+    rows: Vec<RowAdjoint>,
+    /// Memory for the search of weak rows.
+    weights: Vec<f64>,
+    rank_defect: u32,
+}
+
+/// What belongs to one row of the problem.
+#[derive(Clone, Copy, Debug, Default)]
+struct RowAdjoint {
+    /// a_y, 0 where the row is not active.
+    a_y: f64,
+    /// μ̄ or h̄.
+    bound: f64,
+}
+
+impl Default for LcpAdjoint {
+    fn default() -> Self {
+        let reduced = Reduced { velocities: Vec::new(), impulses: Vec::new(), defect: 0.0 };
+        let (y_bar, rows, weights) = (Vec::new(), Vec::new(), Vec::new());
+        Self { reduced, y_bar, rows, weights, rank_defect: 0 }
+    }
+}
+
+impl LcpAdjoint {
+    /// Solves for the cotangents of velocities (per body) and of impulses (per row; none for `None`).
+    ///
+    /// # Errors
+    /// As [`lcp_vjp`](super::lcp_vjp).
+    pub fn solve(
+        &mut self,
+        problem: &Lcp,
+        solution: &LcpSolution,
+        velocity_bar: &[Vector3<f64>],
+        impulse_bar: Option<&[f64]>,
+    ) -> Result<(), LcpDiffError> {
+        check_solution(problem, solution)?;
+        check("velocity_bar", problem.mass.len(), velocity_bar.len())?;
+        if let Some(bar) = impulse_bar {
+            check("impulse_bar", problem.rows.len(), bar.len())?;
+        }
+        if let Some(system) = &solution.system {
+            return self.solve_in(system, problem, solution, velocity_bar, impulse_bar);
+        }
+        let system = ActiveSystem::new(problem, &Metric::new(problem), &solution.modes);
+        self.solve_in(&system, problem, solution, velocity_bar, impulse_bar)
+    }
+
+    /// a_v per body, the cotangents of the momenta p.
+    #[must_use]
+    pub fn momentum(&self) -> &[Vector3<f64>] {
+        &self.reduced.velocities
+    }
+
+    /// The cotangent −a_v ∘ v of a body's mass diagonal.
+    #[must_use]
+    pub fn mass(&self, solution: &LcpSolution, body: usize) -> Vector3<f64> {
+        -self.reduced.velocities[body].component_mul(&solution.velocities[body])
+    }
+
+    /// The cotangents of one row, a_y being 0 where it is not active:
+    ///
+    /// ```text
+    ///  b̄ᵢ = a_y,i      c̄ᵢ = −a_y,i λᵢ      J̄ᵢ = λᵢ a_v − a_y,i v
+    /// ```
+    #[must_use]
+    #[inline]
+    pub fn row(&self, problem: &Lcp, solution: &LcpSolution, row: usize) -> RowVector {
+        let (RowAdjoint { a_y, bound }, impulse) = (self.rows[row], solution.impulses[row]);
+        let [a, b] = problem.rows[row].bodies;
+        let jacobian =
+            [self.block(solution, a, a_y, impulse), self.block(solution, b, a_y, impulse)];
+        RowVector { jacobian, rhs: a_y, compliance: -a_y * impulse, bound }
+    }
+
+    #[inline]
+    fn block(&self, solution: &LcpSolution, body: u32, a_y: f64, impulse: f64) -> Vector3<f64> {
+        if body == NO_BODY {
+            return Vector3::zeros();
+        }
+        let body = body as usize;
+        self.reduced.velocities[body] * impulse - solution.velocities[body] * a_y
+    }
+
+    /// Whether nothing depends on a row: an open contact, say.
+    #[must_use]
+    pub fn is_idle(&self, solution: &LcpSolution, row: usize) -> bool {
+        let RowAdjoint { a_y, bound } = self.rows[row];
+        a_y == 0.0 && bound == 0.0 && solution.impulses[row] == 0.0
+    }
+
+    /// What the user of the derivative should know.
+    #[must_use]
+    pub fn report(&mut self, problem: &Lcp, solution: &LcpSolution) -> LcpGradientReport {
+        LcpGradientReport {
+            weak: switches::weak_rows(problem, solution, &mut self.weights),
+            rank_defect: self.rank_defect,
+            defect: self.reduced.defect,
+        }
+    }
+
+    /// All cotangents.
+    pub(super) fn spread(&self, problem: &Lcp, solution: &LcpSolution) -> LcpVector {
+        LcpVector {
+            mass: (0..problem.mass.len()).map(|body| self.mass(solution, body)).collect(),
+            momentum: self.reduced.velocities.clone(),
+            rows: (0..problem.rows.len()).map(|row| self.row(problem, solution, row)).collect(),
+        }
+    }
+
+    fn solve_in(
+        &mut self,
+        system: &ActiveSystem,
+        problem: &Lcp,
+        solution: &LcpSolution,
+        velocity_bar: &[Vector3<f64>],
+        impulse_bar: Option<&[f64]>,
+    ) -> Result<(), LcpDiffError> {
+        let impulse_bar = |row: u32| impulse_bar.map_or(0.0, |bar| bar[row as usize]);
+        self.y_bar.clear();
+        self.y_bar.extend(system.rows().iter().map(|row| impulse_bar(*row)));
+        for fold in system.folds() {
+            self.y_bar[fold.column as usize] += fold.coefficient * impulse_bar(fold.row);
+        }
+        self.reduced = system.solve_transpose(problem, velocity_bar, &self.y_bar);
+        self.rank_defect = system.rank_defect();
+        check_finite(system, self.reduced.defect)?;
+
+        let a_v = &self.reduced.velocities;
+        self.rows.clear();
+        self.rows.resize(problem.rows.len(), RowAdjoint::default());
+        for (row, a_y) in system.rows().iter().zip(&self.reduced.impulses) {
+            self.rows[*row as usize].a_y = *a_y;
+        }
+        let along = |row: u32| problem.row_velocity(row as usize, a_v) + impulse_bar(row);
+        for fold in system.folds() {
+            let normal = system.rows()[fold.column as usize] as usize;
+            self.rows[fold.row as usize].bound =
+                fold.coefficient.signum() * solution.impulses[normal] * along(fold.row);
+        }
+        for &(row, impulse) in system.saturated() {
+            self.rows[row as usize].bound = impulse.signum() * along(row);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,130 @@
+//! One step after the other read backwards, in memory that every step uses again.
+
+use nalgebra::Vector3;
+use tangency_core::row::RowContext;
+use tangency_core::{IslandRecord, PostRecord, Scene, State, StepRecord};
+
+use crate::error::DiffError;
+use crate::lcp::LcpAdjoint;
+use crate::report::GradientReport;
+use crate::rotations::Rotations;
+use crate::step::{post_context, velocity_context};
+use crate::vector::Bars;
+use crate::{island, momentum, sizes};
+
+/// The reverse pass of a step, and its memory.
+#[derive(Debug, Default)]
+pub(crate) struct Reverse {
+    adjoint: LcpAdjoint,
+    rotations: Rotations,
+    /// ∂L/∂v⁺, or by the displacement, per body of an island.
+    seed: Vec<Vector3<f64>>,
+    /// ∂L/∂v⁺ per body.
+    v_bar: Vec<Vector3<f64>>,
+    /// ∂L/∂p per body.
+    p_bar: Vec<Vector3<f64>>,
+    /// Which bodies have rows.
+    bound: Vec<bool>,
+}
+
+impl Reverse {
+    /// Turns `bars.state` = ∂L/∂(state after the step) into ∂L/∂(state before), and adds to the
+    /// other bars and to `report`.
+    pub(crate) fn step(
+        &mut self,
+        scene: &Scene,
+        before: &State,
+        record: &StepRecord,
+        bars: &mut Bars<'_>,
+        report: &mut GradientReport,
+    ) -> Result<(), DiffError> {
+        if let Some(post) = &record.post {
+            self.displacement(scene, record, post, bars, report)?;
+        }
+        self.motion(scene, record, bars);
+        // v⁺ from the islands, from p/m in free flight, or driven.
+        self.free_flight(scene, record, bars);
+        self.rotations.renew(before.q.len());
+        let context = velocity_context(scene, before, record);
+        for island in &record.islands {
+            self.seed.clear();
+            self.seed.extend(island.bodies.iter().map(|body| self.v_bar[*body as usize]));
+            self.island(&context, island, bars, report)?;
+            report.add_bounces(&context, island);
+            for (body, bar) in island.bodies.iter().zip(self.adjoint.momentum()) {
+                self.p_bar[*body as usize] = *bar;
+            }
+        }
+        momentum::vjp(&context, before.time, &self.p_bar, &mut self.rotations, bars);
+        sizes::state_vector("the gradient by a state", scene, bars.state)?;
+        sizes::finite("the gradient by a control", bars.control.iter().all(|u| u.is_finite()))
+    }
+
+    /// q⁺ = q̃ + dt w: turns the gradient by q⁺ into that by q̃.
+    fn displacement(
+        &mut self,
+        scene: &Scene,
+        record: &StepRecord,
+        post: &PostRecord,
+        bars: &mut Bars<'_>,
+        report: &mut GradientReport,
+    ) -> Result<(), DiffError> {
+        self.rotations.renew(post.moved.len());
+        let context = post_context(scene, record, post);
+        for island in &post.islands {
+            self.seed.clear();
+            for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {
+                let q_bar = bars.state.q[*body as usize];
+                bars.scene.dt += q_bar.dot(w);
+                self.seed.push(q_bar * scene.dt());
+            }
+            self.island(&context, island, bars, report)?;
+        }
+        Ok(())
+    }
+
+    /// One problem: from `seed` to all that it was assembled from, but for p.
+    fn island(
+        &mut self,
+        context: &RowContext<'_>,
+        island: &IslandRecord,
+        bars: &mut Bars<'_>,
+        report: &mut GradientReport,
+    ) -> Result<(), DiffError> {
+        let IslandRecord { problem, solution, .. } = island;
+        self.adjoint.solve(problem, solution, &self.seed, None)?;
+        report.add(island, &self.adjoint.report(problem, solution));
+        island::vjp(context, island, &self.adjoint, &mut self.rotations, bars);
+        Ok(())
+    }
+
+    /// q̃ = q + dt v⁺, time⁺ = time + dt: leaves ∂L/∂v⁺ in `v_bar`, and zero in `bars.state.v`.
+    fn motion(&mut self, scene: &Scene, record: &StepRecord, bars: &mut Bars<'_>) {
+        self.v_bar.clear();
+        let (mut dt_bar, state) = (bars.state.time, &mut *bars.state);
+        for ((v_bar, q_bar), v) in state.v.iter_mut().zip(&state.q).zip(&record.after.v) {
+            self.v_bar.push(*v_bar + q_bar * scene.dt());
+            *v_bar = Vector3::zeros();
+            dt_bar += q_bar.dot(v);
+        }
+        bars.scene.dt += dt_bar;
+    }
+
+    /// v⁺ = p/m for bodies without rows, v⁺ = v for bodies without unknowns; begins `p_bar`.
+    fn free_flight(&mut self, scene: &Scene, record: &StepRecord, bars: &mut Bars<'_>) {
+        self.bound.clear();
+        self.bound.resize(self.v_bar.len(), false);
+        let bound = record.islands.iter().flat_map(|island| &island.bodies);
+        bound.for_each(|body| self.bound[*body as usize] = true);
+        self.p_bar.clear();
+        self.p_bar.resize(self.v_bar.len(), Vector3::zeros());
+        for (i, v_bar) in self.v_bar.iter().enumerate().filter(|(i, _)| !self.bound[*i]) {
+            if scene.is_dynamic(i) {
+                self.p_bar[i] = v_bar.component_div(&scene.bodies()[i].mass);
+                bars.scene.bodies[i].mass -= self.p_bar[i].component_mul(&record.after.v[i]);
+            } else {
+                bars.state.v[i] += v_bar;
+            }
+        }
+    }
+}
