@@ -1,7 +1,7 @@
 //! The backward solve of one problem, and the cotangents that follow from it row by row.
 
 use nalgebra::Vector3;
-use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, NO_BODY, Reduced};
+use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, NO_BODY, Reduced, Scratch};
 
 use super::{
     LcpDiffError, LcpGradientReport, LcpVector, RowVector, check, check_finite, check_solution,
@@ -12,8 +12,9 @@ use super::{
 ///
 /// [`lcp_vjp`](super::lcp_vjp) spreads it out into an [`LcpVector`]; who has a use for every row at
 /// once takes [`row`](Self::row) instead and needs none.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct LcpAdjoint {
+    scratch: Scratch,
     reduced: Reduced,
     /// Cotangents of the active impulses.
     y_bar: Vec<f64>,
@@ -30,14 +31,6 @@ struct RowAdjoint {
     a_y: f64,
     /// μ̄ or h̄.
     bound: f64,
-}
-
-impl Default for LcpAdjoint {
-    fn default() -> Self {
-        let reduced = Reduced { velocities: Vec::new(), impulses: Vec::new(), defect: 0.0 };
-        let (y_bar, rows, weights) = (Vec::new(), Vec::new(), Vec::new());
-        Self { reduced, y_bar, rows, weights, rank_defect: 0 }
-    }
 }
 
 impl LcpAdjoint {
@@ -140,7 +133,8 @@ impl LcpAdjoint {
         for fold in system.folds() {
             self.y_bar[fold.column as usize] += fold.coefficient * impulse_bar(fold.row);
         }
-        self.reduced = system.solve_transpose(problem, velocity_bar, &self.y_bar);
+        let (y_bar, scratch, reduced) = (&self.y_bar, &mut self.scratch, &mut self.reduced);
+        system.solve_transpose_into(problem, velocity_bar, y_bar, scratch, reduced);
         self.rank_defect = system.rank_defect();
         check_finite(system, self.reduced.defect)?;
 
