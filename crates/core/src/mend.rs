@@ -44,7 +44,7 @@ pub(crate) fn mend_positions(
     let still = scratch.vectors.filled(moved.len(), Vector3::zeros());
     let mut rows = std::mem::take(&mut scratch.rows);
     rows.list(&context, &scratch.frames, reach);
-    let mut islands = assemble(&context, &still, &rows, scratch);
+    let mut islands = assemble(&context, &still, &mut rows, scratch);
     scratch.rows = rows;
     scratch.vectors.give(still);
     for island in islands.extract_if(.., |island| !is_displaced(&island.problem)) {

@@ -104,7 +104,7 @@ pub(crate) fn set_up(
     let context = RowContext { contacts: &contacts, ..context };
     let mut rows = std::mem::take(&mut scratch.rows);
     rows.list(&context, &scratch.frames, reach);
-    let islands = assemble(&context, &momentum, &rows, scratch);
+    let islands = assemble(&context, &momentum, &mut rows, scratch);
     scratch.rows = rows;
     Ok(Setup { contacts, islands, momentum, reach })
 }
