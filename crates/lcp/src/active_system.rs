@@ -21,6 +21,7 @@
 use nalgebra::Vector3;
 
 use crate::block_factor::BlockFactor;
+use crate::cholesky::Cholesky;
 use crate::equations::{Equations, Side};
 use crate::factor::Factor;
 use crate::{Law, Lcp, Metric, Mode, Scratch, order, saddle};
@@ -85,6 +86,25 @@ impl ActiveSystem {
     /// All rows in this order; nothing is factored.
     pub(crate) fn of_all(rows: Vec<u32>, metric: &Metric) -> Self {
         Self { rows, unit: metric.unit(), ..Self::default() }
+    }
+
+    /// Becomes the system of equalities only, which are factored already.
+    pub(crate) fn become_factored(
+        &mut self,
+        metric: &Metric,
+        cholesky: Cholesky,
+        scratch: &mut Scratch,
+    ) {
+        std::mem::replace(&mut self.factor, Factor::Symmetric(cholesky)).give(scratch);
+        let rows = &metric.equations.rows;
+        self.unit = metric.unit();
+        self.rank_defect = 0;
+        self.folds.clear();
+        self.saturated.clear();
+        self.rows.clear();
+        self.rows.extend((0_u32..).take(rows.len()));
+        self.inverse.clear();
+        self.inverse.extend(rows.iter().map(|row| row.inverse));
     }
 
     /// Becomes the system of other modes, or of another problem, in the same memory. The equations
