@@ -51,7 +51,7 @@ impl ContactFeature {
         };
         let (x_a, x_b) = (a.point(l_a), b.point(l_b));
         let (w, dx_a, dx_b) =
-            (x_b - x_a, motion(0, &(x_a - a.origin)), motion(3, &(x_b - b.origin)));
+            (x_b - x_a, motion(0, &(x_a - a.origin())), motion(3, &(x_b - b.origin())));
         let dw = dx_b - dx_a;
         let dpsi = match &self.feature {
             Feature::Points { .. } => t.transpose() * dw / w.norm(),

@@ -7,27 +7,75 @@ pub type Pose = Vector3<f64>;
 
 /// A pose with its sine and cosine, which cost more than all else that is done with them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Frame {
-    /// Origin, m.
-    pub(crate) origin: Vector2<f64>,
+pub struct Frame {
+    pose: Pose,
     sin: f64,
     cos: f64,
 }
 
 impl Frame {
     /// The frame at a pose.
-    pub(crate) fn new(pose: &Pose) -> Self {
+    #[inline]
+    #[must_use]
+    pub fn new(pose: &Pose) -> Self {
         let (sin, cos) = pose.z.sin_cos();
-        Self { origin: pose.xy(), sin, cos }
+        Self { pose: *pose, sin, cos }
     }
 
-    /// p + R(θ) l.
-    pub(crate) fn point(&self, local: &Vector2<f64>) -> Vector2<f64> {
-        self.origin + self.direction(local)
+    /// The frame at a pose, which is this one if the pose is the same to the last bit.
+    #[inline]
+    #[must_use]
+    pub fn moved(&self, pose: &Pose) -> Self {
+        if self.is_at(pose) { *self } else { Self::new(pose) }
     }
 
-    /// R(θ) l.
-    pub(crate) fn direction(&self, local: &Vector2<f64>) -> Vector2<f64> {
+    /// Whether it is at this pose, to the last bit.
+    #[inline]
+    #[must_use]
+    pub fn is_at(&self, pose: &Pose) -> bool {
+        let same = |k: usize| self.pose[k].to_bits() == pose[k].to_bits();
+        same(0) & same(1) & same(2)
+    }
+
+    /// The pose, (x, y, θ) in (m, m, rad).
+    #[inline]
+    #[must_use]
+    pub fn pose(&self) -> &Pose {
+        &self.pose
+    }
+
+    /// Position of the origin, m.
+    #[inline]
+    #[must_use]
+    pub fn origin(&self) -> Vector2<f64> {
+        self.pose.xy()
+    }
+
+    /// sin θ.
+    #[inline]
+    #[must_use]
+    pub fn sin(&self) -> f64 {
+        self.sin
+    }
+
+    /// cos θ.
+    #[inline]
+    #[must_use]
+    pub fn cos(&self) -> f64 {
+        self.cos
+    }
+
+    /// World position of a point of the body, p + R(θ) l, m.
+    #[inline]
+    #[must_use]
+    pub fn point(&self, local: &Vector2<f64>) -> Vector2<f64> {
+        self.origin() + self.direction(local)
+    }
+
+    /// World components of a vector of the body, R(θ) l.
+    #[inline]
+    #[must_use]
+    pub fn direction(&self, local: &Vector2<f64>) -> Vector2<f64> {
         let (s, c) = (self.sin, self.cos);
         Vector2::new(c * local.x - s * local.y, s * local.x + c * local.y)
     }
