@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 use tangency_lcp::Law;
 
-use crate::detect::contacts_within;
+use crate::detect::Detection;
 use crate::record::Path;
 use crate::row::{RowContext, RowSource, Stage};
 use crate::scene::Scene;
@@ -52,7 +52,7 @@ pub struct Inspection {
 pub fn inspect(scene: &Scene, state: &State) -> Result<Inspection, StepError> {
     state.check(scene.bodies.len())?;
     let control = vec![0.0; scene.controls.len()];
-    let setup = set_up(scene, state, &control)?;
+    let setup = set_up(scene, state, &control, &mut Detection::default())?;
     let name = |body: usize| scene.bodies[body].name.clone();
     let mut bound = vec![false; scene.bodies.len()];
     let mut islands = Vec::new();
@@ -147,7 +147,8 @@ impl Scene {
     /// A [`StepError`] where geometry has no answer.
     pub fn penetration(&self, state: &State) -> Result<f64, StepError> {
         state.check(self.bodies.len())?;
-        let contacts = contacts_within(self, state, 0.0)?;
+        let mut contacts = Vec::new();
+        Detection::default().within(self, state, 0.0, &mut contacts)?;
         Ok(contacts.iter().map(|c| -c.gap).fold(0.0, f64::max))
     }
 

@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use tangency_collision::Contact;
 use tangency_lcp::{Law, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Scratch, solve_checked};
 
-use crate::detect::{Reach, detect, reach, rows};
+use crate::detect::{Detection, rows};
 use crate::island::{Island, assemble};
 use crate::momentum::momentum;
 use crate::record::{IslandRecord, Path, PostRecord, StepRecord};
@@ -23,6 +23,7 @@ use crate::{Correction, Stabilisation, State, StepError};
 #[derive(Debug, Default)]
 pub struct StepScratch {
     lcp: Scratch,
+    detection: Detection,
 }
 
 /// Advances `state` by one step under `control` (one number per control channel).
@@ -38,13 +39,14 @@ pub fn step(
     scratch: &mut StepScratch,
 ) -> Result<StepRecord, StepError> {
     check_input(scene, state, control)?;
-    let Setup { contacts, islands, momentum, reach } = set_up(scene, state, control)?;
+    let Setup { contacts, islands, momentum } =
+        set_up(scene, state, control, &mut scratch.detection)?;
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
     let context = RowContext { scene, stage, q, v, control, contacts: &contacts, loose: &[] };
     let islands = solve(&context, solver, state.time, islands, scratch)?;
     let after = integrate(scene, state, &momentum, &islands);
     let mut record = StepRecord { control: control.to_vec(), contacts, islands, post: None, after };
-    mend_positions(scene, solver, reach, &mut record, scratch)?;
+    mend_positions(scene, solver, &mut record, scratch)?;
     record.after.check(scene.bodies.len())?;
     Ok(record)
 }
@@ -54,18 +56,22 @@ pub(crate) struct Setup {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) islands: Vec<Island>,
     momentum: Vec<Vector3<f64>>,
-    reach: Reach,
 }
 
-pub(crate) fn set_up(scene: &Scene, state: &State, control: &[f64]) -> Result<Setup, StepError> {
+pub(crate) fn set_up(
+    scene: &Scene,
+    state: &State,
+    control: &[f64],
+    detection: &mut Detection,
+) -> Result<Setup, StepError> {
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
     let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[] };
     let momentum = momentum(&context, state.time);
-    let reach = reach(scene, v, &momentum);
-    let contacts = detect(scene, state, reach)?;
+    let mut contacts = Vec::new();
+    detection.detect(scene, state, &momentum, &mut contacts)?;
     let context = RowContext { contacts: &contacts, ..context };
-    let islands = assemble(&context, &momentum, &rows(&context, reach));
-    Ok(Setup { contacts, islands, momentum, reach })
+    let islands = assemble(&context, &momentum, &rows(&context, detection.groups()));
+    Ok(Setup { contacts, islands, momentum })
 }
 
 /// Solves the islands, each in the first of its stages that has a solution.
@@ -192,7 +198,6 @@ fn integrate(
 fn mend_positions(
     scene: &Scene,
     solver: &dyn LcpSolver,
-    reach: Reach,
     record: &mut StepRecord,
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
@@ -210,7 +215,7 @@ fn mend_positions(
         return Ok(());
     }
     let still = vec![Vector3::zeros(); moved.len()];
-    let mut islands = assemble(&context, &still, &rows(&context, reach));
+    let mut islands = assemble(&context, &still, &rows(&context, scratch.detection.groups()));
     islands.retain(|island| is_displaced(&island.problem));
     let islands = solve(&context, solver, record.after.time, islands, scratch)?;
     for island in &islands {
