@@ -37,10 +37,10 @@ impl Bounds {
 
     /// Whether the boxes are within `reach` of each other along both axes, m.
     pub(crate) fn near(&self, other: &Self, reach: f64) -> bool {
-        (self.min.x - other.max.x <= reach)
-            & (other.min.x - self.max.x <= reach)
-            & (self.min.y - other.max.y <= reach)
-            & (other.min.y - self.max.y <= reach)
+        self.min.x - other.max.x <= reach
+            && other.min.x - self.max.x <= reach
+            && self.min.y - other.max.y <= reach
+            && other.min.y - self.max.y <= reach
     }
 
     /// The least reach at which the boxes are near each other, m; at most the distance of what is in

@@ -28,10 +28,10 @@ pub(crate) struct BroadPhase {
 impl BroadPhase {
     /// Follows a placement of the bodies. Of two `fixed` ones nothing is found.
     pub(crate) fn update(&mut self, world: &World, fixed: &[bool]) {
-        self.settled.update(world, fixed);
         if world.len() <= FEW {
             return;
         }
+        self.settled.update(world, fixed);
         let (settled, all) = (&self.settled, 0..number(world.len()));
         let kind =
             |i: &u32| (world.bounds()[*i as usize].is_finite(), settled.contains(*i as usize));
@@ -53,7 +53,7 @@ impl BroadPhase {
         let bounds = world.bounds();
         let mut add = |i: usize, j: usize| {
             let within = if reach[i] > reach[j] { reach[i] } else { reach[j] };
-            if (fixed[i] & fixed[j]) | !bounds[i].near(&bounds[j], within) {
+            if (fixed[i] && fixed[j]) || !bounds[i].near(&bounds[j], within) {
                 return;
             }
             let apart = world.apart(i, j);

@@ -132,7 +132,7 @@ impl Entry {
     }
 
     fn meets(&self, other: &Self) -> bool {
-        (self.across[0] <= other.across[1]) & (other.across[0] <= self.across[1])
+        self.across[0] <= other.across[1] && other.across[0] <= self.across[1]
     }
 }
 

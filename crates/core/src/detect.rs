@@ -87,12 +87,12 @@ impl Detection {
                 self.all_near(scene, greatest, found)?;
                 self.groups.restart(scene);
             }
-            self.groups.grow(&scene.fixed, links(found), None);
+            self.groups.grow(&scene.fixed, &links(found), None);
             found.retain(|c| c.gap <= self.groups.of_pair(c.feature.id.bodies));
             return Ok(());
         };
         self.all_within(scene, contact_distance, found)?;
-        self.groups.grow(&scene.fixed, links(found), Some(contact_distance));
+        self.groups.grow(&scene.fixed, &links(found), Some(contact_distance));
         Ok(())
     }
 
@@ -114,7 +114,8 @@ impl Detection {
         loop {
             detector.near(vicinity, near);
             near.retain(|pair| scene.collides(pair.bodies[0] as usize, pair.bodies[1] as usize));
-            groups.grow(&scene.fixed, near.iter().map(|pair| (pair.bodies, pair.apart)), None);
+            let links = near.iter().map(|pair| (pair.bodies, pair.apart));
+            groups.grow(&scene.fixed, &links, None);
             let reach = |i: usize| groups.of(i).linear;
             if vicinity.iter().enumerate().all(|(i, vicinity)| reach(i) <= *vicinity) {
                 break;

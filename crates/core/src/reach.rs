@@ -128,7 +128,7 @@ impl Groups {
     pub(crate) fn grow(
         &mut self,
         fixed: &[bool],
-        links: impl DoubleEndedIterator<Item = Link> + Clone,
+        links: &(impl DoubleEndedIterator<Item = Link> + Clone),
         distance: Option<f64>,
     ) {
         let mut add = |link: Link| self.add(fixed, link, distance);
