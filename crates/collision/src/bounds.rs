@@ -53,7 +53,8 @@ impl Bounds {
 
     /// Whether there is something in it that ends everywhere: not a half-plane.
     pub(crate) fn is_finite(&self) -> bool {
-        self.min.iter().chain(&self.max).all(|x| x.is_finite())
+        let Self { min, max } = self;
+        min.x.is_finite() && min.y.is_finite() && max.x.is_finite() && max.y.is_finite()
     }
 
     const fn all(min: f64, max: f64) -> Self {

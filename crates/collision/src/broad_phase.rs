@@ -32,13 +32,15 @@ impl BroadPhase {
             return;
         }
         self.settled.update(world, fixed);
-        let (settled, all) = (&self.settled, 0..number(world.len()));
-        let kind =
-            |i: &u32| (world.bounds()[*i as usize].is_finite(), settled.contains(*i as usize));
         self.swept.clear();
-        self.swept.extend(all.clone().filter(|i| kind(i) == (true, false)));
         self.unbounded.clear();
-        self.unbounded.extend(all.filter(|i| world.is_unbounded(*i as usize)));
+        for i in 0..world.len() {
+            if world.is_unbounded(i) {
+                self.unbounded.push(number(i));
+            } else if !self.settled.contains(i) && !world.is_empty(i) {
+                self.swept.push(number(i));
+            }
+        }
     }
 
     /// Pairs of bodies no further apart than the greater of their reaches (m), in ascending order.

@@ -94,9 +94,14 @@ impl World {
         &self.bounds
     }
 
+    /// Whether a body has no shapes.
+    pub(crate) fn is_empty(&self, body: usize) -> bool {
+        self.bodies[body].pieces.is_empty()
+    }
+
     /// Whether a body has shapes that do not end.
     pub(crate) fn is_unbounded(&self, body: usize) -> bool {
-        !self.bodies[body].pieces.is_empty() && !self.bounds[body].is_finite()
+        !self.bounds[body].is_finite() && !self.is_empty(body)
     }
 
     /// The outlines of one body, in the order of its shapes.
