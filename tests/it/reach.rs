@@ -61,7 +61,6 @@ fn a_struck_stack_moves_as_if_all_were_within_reach_of_each_other() {
             let most = own.q.iter().zip(&all.q).map(apart).fold(0.0, f64::max);
             assert!(most < 1e-8, "{most} m at {} s", own.time);
         }
-        for s in own.states() {}
         assert!(own.states().any(|s| speed_of_boxes(s) > 1.0), "the bullet has struck");
         assert!(scene.penetration(own.last()).expect("contacts") < 1e-8);
     }
