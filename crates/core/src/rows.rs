@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use tangency_lcp::{NO_BODY, Row};
 
-use crate::detect::Reach;
 use crate::frames::Frames;
+use crate::reach::Groups;
 use crate::row::{RowContext, RowGeometry, RowSource};
 
 /// Where each row comes from, and the row itself over the scene's own indices of bodies.
@@ -17,7 +17,7 @@ pub(crate) struct Rows {
 impl Rows {
     /// All rows of the step, joints first, each friction row behind its normal row. `frames` are those
     /// of the context's poses.
-    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, reach: Reach) {
+    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
         self.sources.clear();
         self.rows.clear();
         let post = !context.stage.is_velocity();
@@ -30,20 +30,26 @@ impl Rows {
                 self.push(context, RowSource::Held { joint: index, row }, &geometry);
             }
             if joint.free.is_some() {
-                self.list_free(context, frames, index, reach);
+                self.list_free(context, frames, index, groups);
             }
         }
         self.list_contacts(context);
     }
 
     /// Limits in reach, and the motor.
-    fn list_free(&mut self, context: &RowContext<'_>, frames: &Frames, index: u32, reach: Reach) {
+    fn list_free(
+        &mut self,
+        context: &RowContext<'_>,
+        frames: &Frames,
+        index: u32,
+        groups: &Groups,
+    ) {
         let joint = &context.scene.joints[index as usize];
         if joint.limits.lower.is_some() {
-            self.push_limit(context, frames, RowSource::Lower { joint: index }, reach);
+            self.push_limit(context, frames, RowSource::Lower { joint: index }, groups);
         }
         if joint.limits.upper.is_some() {
-            self.push_limit(context, frames, RowSource::Upper { joint: index }, reach);
+            self.push_limit(context, frames, RowSource::Upper { joint: index }, groups);
         }
         if joint.motor.is_some() && context.stage.is_velocity() {
             let source = RowSource::Motor { joint: index };
@@ -72,9 +78,10 @@ impl Rows {
         context: &RowContext<'_>,
         frames: &Frames,
         source: RowSource,
-        reach: Reach,
+        groups: &Groups,
     ) {
         let geometry = context.geometry_in(source, frames);
+        let reach = groups.of_joint(geometry.bodies);
         let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
         let bound: f64 = geometry.jacobian.iter().map(travel).sum();
         if geometry.value <= bound {

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use tangency_collision::Contact;
 use tangency_lcp::{Guess, Lcp, Pool, Row, Scratch};
 
+use crate::detect::Detection;
 use crate::frames::Frames;
 use crate::guess::Places;
 use crate::island::{Groups, Island};
@@ -19,6 +20,7 @@ use crate::{Stage, State};
 #[derive(Debug, Default)]
 pub struct StepScratch {
     pub(crate) lcp: Scratch,
+    pub(crate) detection: Detection,
     pub(crate) frames: Frames,
     pub(crate) rows: Rows,
     pub(crate) groups: Groups,
