@@ -36,7 +36,13 @@ impl Detection {
         found: &mut Vec<Contact>,
     ) -> Result<(), StepError> {
         check_lengths(scene, state.time, frames)?;
-        self.groups.measure(scene, &state.v, momentum);
+        if scene.touches || scene.joined.limited {
+            self.groups.measure(scene, &state.v, momentum);
+        }
+        if !scene.touches {
+            found.clear();
+            return Ok(());
+        }
         self.contacts(scene, frames, found)
             .map_err(|source| StepError::Collision { time: state.time, source })
     }

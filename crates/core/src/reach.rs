@@ -59,7 +59,7 @@ pub(crate) struct JointGroups {
     /// Dynamic bodies and the other bodies that joints connect them to.
     driven: Vec<[u32; 2]>,
     /// Whether any joint has limits, for which alone angles count.
-    limited: bool,
+    pub(crate) limited: bool,
 }
 
 impl JointGroups {

@@ -1,10 +1,11 @@
 //! The rows of a step, in the order in which they enter its problems.
 
 use nalgebra::Vector3;
-use tangency_lcp::{NO_BODY, Row};
+use tangency_lcp::{Law, NO_BODY, Row};
 
 use crate::frames::Frames;
 use crate::reach::Groups;
+use crate::rhs::Rhs;
 use crate::row::{RowContext, RowGeometry, RowSource};
 
 /// Where each row comes from, and the row itself over the scene's own indices of bodies.
@@ -25,15 +26,35 @@ impl Rows {
             if post && joint.softness.is_some() {
                 continue;
             }
-            for (row, held) in (0_u32..).zip(&joint.held) {
-                let geometry = context.joint_geometry_in(index, *held, frames);
-                self.push(context, RowSource::Held { joint: index, row }, &geometry);
-            }
+            self.list_held(context, frames, index);
             if joint.free.is_some() {
                 self.list_free(context, frames, index, groups);
             }
         }
         self.list_contacts(context);
+    }
+
+    /// What a joint holds.
+    fn list_held(&mut self, context: &RowContext<'_>, frames: &Frames, index: u32) {
+        let joint = &context.scene.joints[index as usize];
+        for (row, held) in (0_u32..).zip(&joint.held) {
+            let geometry = context.joint_geometry_in(index, *held, frames);
+            let source = RowSource::Held { joint: index, row };
+            let Rhs { value, compliance, .. } = context.rhs(source, geometry.value, 0.0);
+            let part = |side: usize| match joint.unknowns[side] {
+                NO_BODY => Vector3::zeros(),
+                _ => geometry.jacobian[side],
+            };
+            let driven = joint.driven && context.stage.is_velocity();
+            self.sources.push(source);
+            self.rows.push(Row {
+                bodies: joint.unknowns,
+                jacobian: [part(0), part(1)],
+                rhs: if driven { value - driven_speed(context, &geometry) } else { value },
+                compliance,
+                law: Law::Equality,
+            });
+        }
     }
 
     /// Limits in reach, and the motor.
@@ -124,16 +145,17 @@ pub(crate) fn set_right_side(
     let rhs = context.rhs(source, geometry.value, speed);
     row.rhs = rhs.value;
     row.compliance = rhs.compliance;
-    if !context.stage.is_velocity() {
-        return;
+    if context.stage.is_velocity() {
+        row.rhs -= driven_speed(context, geometry);
     }
-    for side in 0..2 {
-        if let Some(body) = geometry.bodies[side]
-            && !context.scene.is_dynamic(body)
-        {
-            row.rhs -= geometry.jacobian[side].dot(&context.v[body]);
-        }
-    }
+}
+
+/// What the velocities of bodies without unknowns contribute to J v.
+fn driven_speed(context: &RowContext<'_>, geometry: &RowGeometry) -> f64 {
+    let driven = |(body, j): (&Option<usize>, &Vector3<f64>)| {
+        body.filter(|b| !context.scene.is_dynamic(*b)).map(|b| j.dot(&context.v[b]))
+    };
+    geometry.bodies.iter().zip(&geometry.jacobian).filter_map(driven).sum()
 }
 
 fn number(index: usize) -> u32 {

@@ -33,6 +33,8 @@ pub struct Scene {
     pub(crate) joined: JointGroups,
     /// Which bodies are not dynamic.
     pub(crate) fixed: Vec<bool>,
+    /// Whether any two bodies may touch.
+    pub(crate) touches: bool,
     pub(crate) initial: State,
 }
 
@@ -56,6 +58,7 @@ impl Scene {
             rules: PairRules::default(),
             joined: JointGroups::default(),
             fixed: Vec::new(),
+            touches: true,
             initial: State::default(),
         };
         for (i, body) in def.bodies.iter().enumerate() {
@@ -83,6 +86,7 @@ impl Scene {
         let jointed: Vec<&Joint> = silent.map(|(_, joint)| joint).collect();
         scene.rules = PairRules::new(scene.bodies.len(), &compile_pairs(def, &names)?, &jointed);
         scene.joined = JointGroups::new(&scene.joints, &scene.fixed);
+        scene.touches = scene.may_touch();
         Ok(scene)
     }
 
@@ -204,6 +208,15 @@ impl Scene {
             Some(value) => Mixed { value, d: [0.0; 2] },
             None => material::restitution(self.bodies[a].restitution, self.bodies[b].restitution),
         }
+    }
+
+    /// Whether any two bodies may touch; taken for granted where there are too many pairs to ask.
+    fn may_touch(&self) -> bool {
+        const MANY: usize = 2000;
+        let shaped = |body: &usize| self.colliders[*body].radius() > 0.0;
+        let shaped: Vec<usize> = (0..self.bodies.len()).filter(shaped).collect();
+        let meets = |(k, a): (usize, &usize)| shaped[..k].iter().any(|b| self.collides(*a, *b));
+        shaped.len() > MANY || shaped.iter().enumerate().any(meets)
     }
 
     /// Whether two bodies may touch.

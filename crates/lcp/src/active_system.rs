@@ -123,7 +123,7 @@ impl ActiveSystem {
         list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
-        self.factor = match metric.pattern(self.rows.len(), width) {
+        self.factor = match metric.pattern(self.rows.len(), width, !self.folds.is_empty()) {
             Some(pattern) => {
                 equations.gather(problem, metric, self);
                 equations.find_runs(problem, &self.rows);
