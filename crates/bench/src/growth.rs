@@ -72,9 +72,8 @@ pub fn grow(family: &Family, engine: &dyn Engine, patience: &Patience) -> Curve 
     let mut sizes: Vec<Size> = Vec::new();
     let mut last: Option<(usize, Duration)> = None;
     for (bodies, def) in &family.members {
-        let guess = last.map_or(Duration::ZERO, |(n, step)| {
-            step.mul_f64((*bodies as f64 / n as f64).powi(2))
-        });
+        let guess = last
+            .map_or(Duration::ZERO, |(n, step)| step.mul_f64((*bodies as f64 / n as f64).powi(2)));
         let (steps, step) = if guess > patience.cap {
             (0, Err(Left::TooSlow(guess)))
         } else {

@@ -87,11 +87,8 @@ pub fn sweep(
     halvings: i32,
     patience: &Patience,
 ) -> Vec<Front> {
-    let start = |engine: &&dyn Engine| Front {
-        engine: engine.name(),
-        points: Vec::new(),
-        stopped: None,
-    };
+    let start =
+        |engine: &&dyn Engine| Front { engine: engine.name(), points: Vec::new(), stopped: None };
     let mut fronts: Vec<Front> = engines.iter().map(start).collect();
     let mut running = vec![true; engines.len()];
     for k in 0..=halvings {

@@ -215,7 +215,7 @@ fn gradient_multiple(engine: &dyn Engine, def: &SceneDef, patience: &Patience) -
     });
     let times = interleaved(vec![forward(engine, def, GRADIENT_STEPS), both], patience);
     match &times[..] {
-        [Ok(value), Ok(both)] => Gradient::Multiple(both.median / value.median),
+        [Ok(value), Ok(both)] => Gradient::Multiple(both.least / value.least),
         _ => Gradient::Refused,
     }
 }

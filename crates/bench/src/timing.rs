@@ -26,7 +26,9 @@ impl Quartiles {
     pub fn of(mut times: Vec<f64>) -> Self {
         times.sort_by(f64::total_cmp);
         let at = |quarter: usize| {
-            let place = (times.len().saturating_sub(1) * quarter).div_ceil(4);
+            let last = times.len().saturating_sub(1);
+            // Outwards, where a quarter falls between two rounds.
+            let place = if quarter < 2 { last * quarter / 4 } else { (last * quarter).div_ceil(4) };
             times.get(place).copied().unwrap_or(f64::NAN)
         };
         Self { least: at(0), lower: at(1), median: at(2), upper: at(3), rounds: times.len() }

@@ -195,7 +195,9 @@ fn ground(shapes: &[Shape]) -> Result<(), Refusal> {
 fn shape(shapes: &[Shape], body: &mut Body) -> Result<(), Refusal> {
     body.geometry = match shapes {
         [] => None,
-        [Shape::Circle { radius, center: [0.0, 0.0] }] => Some(Geometry::Sphere { radius: *radius }),
+        [Shape::Circle { radius, center: [0.0, 0.0] }] => {
+            Some(Geometry::Sphere { radius: *radius })
+        }
         [Shape::Rectangle { width, height, center: [0.0, 0.0], angle: 0.0 }] => {
             let half_extents = Vec3::new(0.5 * width, 0.5, 0.5 * height);
             Some(Geometry::Box { half_extents })

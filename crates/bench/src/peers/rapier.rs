@@ -1,13 +1,11 @@
 //! rapier2d in double precision: impulses by Gauss–Seidel over soft constraints, in substeps.
 
+use rapier2d_f64::parry::math::Rot2;
 use rapier2d_f64::prelude::{
     ColliderBuilder, GenericJoint, MassProperties, PhysicsWorld, PrismaticJointBuilder,
     RevoluteJointBuilder, RigidBodyBuilder, RigidBodyHandle, SharedShape, Vector,
 };
-use rapier2d_f64::parry::math::Rot2;
-use tangency_core::{
-    BodyKind, JointDef, JointKind, Limits, Scene, SceneDef, Shape, State, WORLD,
-};
+use tangency_core::{BodyKind, JointDef, JointKind, Limits, Scene, SceneDef, Shape, State, WORLD};
 
 use crate::engine::{Engine, Refusal, World};
 
@@ -87,10 +85,8 @@ fn add_body(
             .can_sleep(false),
     );
     for shape in scene.colliders()[index].shapes() {
-        let collider = collider(shape)?
-            .density(0.0)
-            .friction(body.friction)
-            .restitution(body.restitution);
+        let collider =
+            collider(shape)?.density(0.0).friction(body.friction).restitution(body.restitution);
         world.colliders.insert_with_parent(collider, handle, &mut world.bodies);
     }
     Ok(handle)

@@ -67,7 +67,7 @@ pub fn cases(base: usize) -> Vec<Case> {
 }
 
 fn swinging() -> Vec<Case> {
-    const CLOSED: &str = "the equation of one angle, integrated to rounding";
+    const CLOSED: &str = "equation of one angle";
     let tilt = 0.160_875_277_198_321_07;
     let n = 10;
     // n cranks of inertia 1/3 about their pins, a coupler of 1 kg: (n/3 + 1) θ″ = −(n/2 + 1) g sin θ
@@ -76,8 +76,7 @@ fn swinging() -> Vec<Case> {
     let crank = move |t: f64| {
         let state = swing(k, 1.2, t);
         let ((sin, cos), rate) = (state[0].sin_cos(), state[1]);
-        let coupler =
-            Known::new(n, [0.5 * width + sin, -cos, 0.0], [cos * rate, sin * rate, 0.0]);
+        let coupler = Known::new(n, [0.5 * width + sin, -cos, 0.0], [cos * rate, sin * rate, 0.0]);
         (0..n).map(|i| hanging(i, [0.5 * i as f64, 0.0], state)).chain([coupler]).collect()
     };
     vec![
@@ -92,7 +91,7 @@ fn swinging() -> Vec<Case> {
             crank,
         ),
         Case::new("V17", "rocking block", scenes::rocking_box(tilt), 0.8).moving(
-            "the equation of one angle and its law of impact, integrated to rounding",
+            "equation of one angle",
             [0.6, 1.0, 3.0],
             move |t| vec![rocked(tilt, t)],
         ),

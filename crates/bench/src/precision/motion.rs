@@ -116,7 +116,8 @@ pub(super) fn rocked(start: f64, t: f64) -> Known {
 pub(super) fn banked(t: f64) -> Known {
     let (g, e) = (9.8, 0.92);
     let wall = 0.43;
-    let [x, vx] = if t < wall { [5.0 * t - 0.5, 5.0] } else { [1.65 - 5.0 * e * (t - wall), -5.0 * e] };
+    let [x, vx] =
+        if t < wall { [5.0 * t - 0.5, 5.0] } else { [1.65 - 5.0 * e * (t - wall), -5.0 * e] };
     // 0.9 = 5 s + g s²/2
     let fast = (25.0 + 2.0 * g * 0.9_f64).sqrt();
     let floor = (fast - 5.0) / g;
@@ -160,7 +161,8 @@ mod tests {
     #[test]
     fn rocks() {
         let tilt = 0.160_875_277_198_321_07;
-        for impact in [0.273_858_974_782_351_64, 0.666_850_965_033_691_34, 0.973_757_194_456_258_35] {
+        for impact in [0.273_858_974_782_351_64, 0.666_850_965_033_691_34, 0.973_757_194_456_258_35]
+        {
             near(rocked(tilt, impact).q.z, 0.0, 1e-9);
         }
     }

@@ -23,9 +23,8 @@ struct Exported {
 
 /// Writes the scenes.
 pub(super) fn write(file: &Path) -> Result<(), Failure> {
-    let failed = |error: serde_json::Error| {
-        Failure::Write { file: file.to_owned(), source: error.into() }
-    };
+    let failed =
+        |error: serde_json::Error| Failure::Write { file: file.to_owned(), source: error.into() };
     let mut all = Vec::new();
     for heat in heats(200, 20) {
         let definition = RawValue::from_string(scene_to_json(&heat.def)).map_err(failed)?;

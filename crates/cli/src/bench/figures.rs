@@ -78,9 +78,10 @@ fn precision(case: &Case, fronts: &[Front]) -> Chart {
         let value = front.points.iter().map(|p| (error(p), 1e3 * p.time.median)).collect();
         curves.push(curve(&front.engine, value));
         let first = curves.len() == 1;
-        let both = front.points.iter().filter_map(|p| {
-            p.with_gradient.map(|time| (error(p), 1e3 * time.median))
-        });
+        let both = front
+            .points
+            .iter()
+            .filter_map(|p| p.with_gradient.map(|time| (error(p), 1e3 * time.median)));
         let both: Vec<(f64, f64)> = if first { both.collect() } else { Vec::new() };
         if !both.is_empty() {
             let label = format!("{}, value and gradient (dashed)", front.engine);
@@ -90,7 +91,7 @@ fn precision(case: &Case, fronts: &[Front]) -> Chart {
     Chart {
         title: format!("{} {}: time against error", case.id, case.title),
         subtitle: format!(
-            "one mark per time step, from 1/30 s down by halves; {} s; reference: {}",
+            "a mark per time step, 1/30 s and halves of it; {} s long; reference: {}",
             case.duration, case.source
         ),
         x: Axis::log("worst error of position, angle and velocity, scaled"),
@@ -107,10 +108,8 @@ fn growth(family: &str, growths: &[Growth]) -> Chart {
         };
         let points = growth.sizes.iter().filter_map(place).collect();
         let exponent = growth.exponent(LARGE);
-        let label = exponent.map_or_else(
-            || growth.engine.clone(),
-            |p| format!("{}: n^{p:.2}", growth.engine),
-        );
+        let label = exponent
+            .map_or_else(|| growth.engine.clone(), |p| format!("{}: n^{p:.2}", growth.engine));
         Curve { label, ..curve(&growth.engine, points) }
     };
     Chart {

@@ -12,9 +12,9 @@ use tangency_bench::precision::{Case, Front, cases, sweep};
 use tangency_bench::race::{Entry, heats, race};
 use tangency_bench::recorded::{Score, compare, hard, problems};
 
+use super::Part;
 use super::plan::{Plan, candidates, own, peers};
 use super::row::Row;
-use super::Part;
 use crate::{Console, Failure};
 
 /// Everything that was measured.
@@ -74,10 +74,8 @@ impl Outcome {
         if plan.has(Part::Lean)
             && let Some(engine) = own.first()
         {
-            outcome.lean = checks(engine, &plan.patience).map_err(|refusal| Failure::Bench {
-                part: "lean",
-                source: refusal,
-            })?;
+            outcome.lean = checks(engine, &plan.patience)
+                .map_err(|refusal| Failure::Bench { part: "lean", source: refusal })?;
         }
         Ok(outcome)
     }
@@ -125,7 +123,8 @@ impl Outcome {
         for family in &families {
             let engines = fitting(own, &others, family.name == "chain");
             // phyz has points in the race; its steps among many contacts cannot be cut short.
-            let engines = engines.into_iter().filter(|e| family.name == "chain" || e.name() != "phyz");
+            let engines =
+                engines.into_iter().filter(|e| family.name == "chain" || e.name() != "phyz");
             let curves = engines.map(|engine| grow(family, engine, &plan.growth)).collect();
             self.growth.push((family.name, curves));
             progress.inc(1);

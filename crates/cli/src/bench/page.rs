@@ -21,9 +21,10 @@ pub(super) fn page(
     provenance: &Provenance,
     plan: &Plan,
 ) -> Result<String, Failure> {
-    let facts = provenance.facts.iter().map(|(name, value)| {
-        format!("<tr><th>{name}</th><td>{}</td></tr>", escape_html(value))
-    });
+    let facts = provenance
+        .facts
+        .iter()
+        .map(|(name, value)| format!("<tr><th>{name}</th><td>{}</td></tr>", escape_html(value)));
     let settings = outcome.settings.iter().map(|(engine, settings)| {
         format!("<tr><th>{}</th><td>{}</td></tr>", escape_html(engine), escape_html(settings))
     });
@@ -94,13 +95,13 @@ fn race(rows: &[Row]) -> String {
     for (scene, dt) in groups {
         let mut mine: Vec<&Row> =
             rows.iter().filter(|row| row.scene == scene && row.dt == dt).collect();
-        let time = |row: &Row| row.us_per_step.unwrap_or(f64::INFINITY);
+        let time = |row: &Row| row.us_least.unwrap_or(f64::INFINITY);
         mine.sort_by(|a, b| time(a).total_cmp(&time(b)));
         let own = mine.iter().find(|row| row.engine.starts_with("tangency"));
-        let own = own.and_then(|row| row.us_per_step);
+        let own = own.and_then(|row| row.us_least);
         let _ = write!(
             html,
-            "<tbody><tr class=\"group\"><th colspan=\"10\">{}, dt = {} s</th></tr>",
+            "<tbody><tr class=\"group\"><th colspan=\"11\">{}, dt = {} s</th></tr>",
             escape_html(scene),
             short(dt)
         );
@@ -111,17 +112,19 @@ fn race(rows: &[Row]) -> String {
 }
 
 fn line(row: &Row, own: Option<f64>) -> String {
-    let number = |value: Option<f64>, format: fn(f64) -> String| value.map_or_else(String::new, format);
+    let number =
+        |value: Option<f64>, format: fn(f64) -> String| value.map_or_else(String::new, format);
     let small = |value| number(value, |x| if x == 0.0 { "0".into() } else { format!("{x:.1e}") });
     let spread = match (row.us_lower, row.us_upper) {
         (Some(lower), Some(upper)) => format!("{} – {}", digits(lower), digits(upper)),
         _ => String::new(),
     };
-    let ratio = row.us_per_step.zip(own).map(|(us, own)| us / own);
+    let ratio = row.us_least.zip(own).map(|(us, own)| us / own);
     let cells = [
+        number(row.us_least, digits),
         number(row.us_per_step, digits),
         spread,
-        number(row.us_per_step, |us| grouped(1e6 / us)),
+        number(row.us_least, |us| grouped(1e6 / us)),
         number(ratio, |ratio| format!("{ratio:.2}")),
         small(row.penetration),
         small(row.drift),
@@ -167,7 +170,8 @@ fn stopped(outcome: &Outcome) -> String {
         for front in fronts {
             if let Some(refusal) = &front.stopped {
                 let text = escape_html(&refusal.to_string());
-                let _ = write!(html, "<li>{}, {}: {text}</li>", case.id, escape_html(&front.engine));
+                let _ =
+                    write!(html, "<li>{}, {}: {text}</li>", case.id, escape_html(&front.engine));
             }
         }
     }

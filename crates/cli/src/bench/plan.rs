@@ -84,9 +84,7 @@ fn backends() -> impl Iterator<Item = &'static str> {
 
 /// This engine: every backend with joints as defined, and the first with joints projected.
 pub(super) fn own() -> Vec<Tangency> {
-    let on = |name, joints| {
-        backend(name).map(|solver| Tangency { backend: name, solver, joints })
-    };
+    let on = |name, joints| backend(name).map(|solver| Tangency { backend: name, solver, joints });
     let projected = backends().next().and_then(|name| on(name, Joints::Projected));
     let mut all: Vec<Tangency> =
         backends().filter_map(|name| on(name, Joints::AsDefined)).collect();

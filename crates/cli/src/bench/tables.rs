@@ -8,8 +8,8 @@ use tangency_bench::timing::Quartiles;
 
 use super::outcome::Outcome;
 use super::row::Row;
-use crate::grid::Grid;
 use crate::Failure;
+use crate::grid::Grid;
 
 /// Writes all tables that have rows.
 pub(super) fn save_all(outcome: &Outcome, folder: &Path) -> Result<(), Failure> {
@@ -150,7 +150,15 @@ fn precision(outcome: &Outcome) -> Grid {
 
 fn growth(outcome: &Outcome) -> Grid {
     let mut grid = Grid::new([
-        "family", "engine", "bodies", "steps", "us_per_step", "us_lower", "us_upper", "us_least", "note",
+        "family",
+        "engine",
+        "bodies",
+        "steps",
+        "us_per_step",
+        "us_lower",
+        "us_upper",
+        "us_least",
+        "note",
     ]);
     for (family, curves) in &outcome.growth {
         for curve in curves {
@@ -248,9 +256,9 @@ pub(super) fn lean(outcome: &Outcome) -> Grid {
 
 /// For the terminal: times per step of the race.
 pub(super) fn summary(outcome: &Outcome) -> Grid {
-    let mut grid = Grid::new(["scene", "dt", "engine", "µs per step", "gradient"]);
+    let mut grid = Grid::new(["scene", "dt", "engine", "µs per step, least", "gradient"]);
     for row in &outcome.race {
-        let time = row.us_per_step.map_or_else(|| row.note.clone(), |us| format!("{us:.3}"));
+        let time = row.us_least.map_or_else(|| row.note.clone(), |us| format!("{us:.3}"));
         let gradient = cell(row.gradient.map(|multiple| format!("{multiple:.1} ×")));
         grid.row([row.scene.clone(), short(row.dt), row.engine.clone(), time, gradient]);
     }
