@@ -54,12 +54,36 @@ fn forward_and_reverse(criterion: &mut Criterion) {
     }
 }
 
+/// Value and gradient of the four scenes of the race, by everything, beside the value alone.
+fn race(criterion: &mut Criterion) {
+    let solver = tangency::default_solver();
+    let mut group = criterion.benchmark_group("race, 200 steps");
+    let race = [
+        scenes::race_bounce(),
+        scenes::race_stack(10),
+        scenes::race_chain(10),
+        scenes::race_cartpole(),
+    ];
+    for def in race {
+        let scene = Scene::new(&def).expect("a valid scene");
+        group.bench_function(BenchmarkId::new("value", &def.name), |bencher| {
+            bencher.iter(|| simulate(black_box(&scene), &*solver, 200));
+        });
+        group.bench_function(BenchmarkId::new("value and gradient", &def.name), |bencher| {
+            bencher.iter(|| {
+                let tape = simulate(black_box(&scene), &*solver, 200).expect("a run");
+                gradient(&scene, &tape, |k, state| (k == 200).then(|| final_pose(k, state)))
+            });
+        });
+    }
+}
+
 criterion_group! {
     name = benches;
     config = Criterion::default()
         .sample_size(10)
         .warm_up_time(std::time::Duration::from_millis(200))
         .measurement_time(std::time::Duration::from_millis(800));
-    targets = forward_and_reverse
+    targets = forward_and_reverse, race
 }
 criterion_main!(benches);

@@ -210,7 +210,7 @@ fn forward<'a>(engine: &'a dyn Engine, def: &'a SceneDef, steps: usize) -> Work<
     })
 }
 
-/// The time of value and gradient; `None` where the engine has none, refuses, or exceeds the cap.
+/// The time of value and gradient; `None` where the engine has none, refuses, or exceeds half the cap.
 fn gradient_time(
     engine: &dyn Engine,
     def: &SceneDef,
@@ -219,7 +219,7 @@ fn gradient_time(
 ) -> Option<Quartiles> {
     let mut both = engine.value_and_gradient(def, steps).ok().flatten()?;
     let (first, tried) = timed(&mut both);
-    if tried.is_err() || first > patience.cap {
+    if tried.is_err() || 2 * first > patience.cap {
         return None;
     }
     let work: Work<'_, Refusal> = Box::new(move || {

@@ -15,10 +15,9 @@ pub struct Candidate {
     pub solver: Box<dyn LcpSolver>,
 }
 
-/// The complementarity problems of a scene's first `steps` steps, at most about `most` of them, evenly
-/// spread. Ends early where a step is refused.
+/// The complementarity problems of a scene's first `steps` steps. Ends early where a step is refused.
 #[must_use]
-pub fn problems(scene: &Scene, solver: &dyn LcpSolver, steps: usize, most: usize) -> Vec<Lcp> {
+pub fn problems(scene: &Scene, solver: &dyn LcpSolver, steps: usize) -> Vec<Lcp> {
     let (mut state, mut scratch) = (scene.initial_state(), StepScratch::default());
     let control = vec![0.0; scene.controls().len()];
     let mut all = Vec::new();
@@ -29,8 +28,14 @@ pub fn problems(scene: &Scene, solver: &dyn LcpSolver, steps: usize, most: usize
         state = record.after;
     }
     all.retain(|problem| !problem.is_linear());
-    let stride = all.len().div_ceil(most.max(1)).max(1);
-    all.into_iter().step_by(stride).collect()
+    all
+}
+
+/// At most so many of them, evenly spread.
+#[must_use]
+pub fn spread(problems: Vec<Lcp>, most: usize) -> Vec<Lcp> {
+    let stride = problems.len().div_ceil(most.max(1)).max(1);
+    problems.into_iter().step_by(stride).collect()
 }
 
 /// Those that a solver leaves to its interior point, or to what comes after it, when it has no guess.

@@ -10,7 +10,7 @@ use tangency_bench::own::{Joints, Tangency};
 use tangency_bench::paths::Paths;
 use tangency_bench::precision::{Case, Front, cases, sweep};
 use tangency_bench::race::{Entry, heats, race};
-use tangency_bench::recorded::{Score, compare, hard, problems};
+use tangency_bench::recorded::{Score, compare, hard, problems, spread};
 
 use super::Part;
 use super::plan::{Plan, candidates, own, peers};
@@ -135,7 +135,7 @@ impl Outcome {
     fn solvers(&mut self, plan: &Plan, console: &Console) -> Result<(), Failure> {
         let (scenes, candidates, solver) = (shipped(plan)?, candidates(), default_solver());
         let progress = console.progress(scenes.len() + 2, "solvers");
-        let mut everything = Vec::new();
+        let (mut everything, mut difficult) = (Vec::new(), Vec::new());
         let mut measure = |scene: String, problems: &[_]| {
             progress.inc(1);
             if problems.is_empty() {
@@ -157,12 +157,14 @@ impl Outcome {
         };
         let (steps, most) = plan.recorded;
         for (name, scene) in scenes {
-            let recorded = problems(&scene, &*solver, steps, most);
+            let recorded = problems(&scene, &*solver, steps);
+            difficult.extend(spread(hard(&recorded, &*solver), most));
+            let recorded = spread(recorded, most);
             measure(name, &recorded);
             everything.extend(recorded);
         }
         measure(ALL.into(), &everything);
-        measure(HARD.into(), &hard(&everything, &*solver));
+        measure(HARD.into(), &difficult);
         progress.finish_and_clear();
         Ok(())
     }

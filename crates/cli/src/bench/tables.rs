@@ -215,6 +215,7 @@ pub(super) fn solvers(outcome: &Outcome) -> Grid {
         "us_lower",
         "us_upper",
         "us_least",
+        "over_native",
         "residual",
         "iterations",
         "most_iterations",
@@ -231,7 +232,14 @@ pub(super) fn solvers(outcome: &Outcome) -> Grid {
             format!("{:e}", row.tolerance),
         ];
         let us = quartiles(&score.time, 1e6).map(|us| us.parse().map_or(us, short));
+        // At the same tolerance; the native solver comes first.
+        let native = outcome
+            .solvers
+            .iter()
+            .find(|other| other.scene == row.scene && other.tolerance == row.tolerance);
+        let ratio = native.map(|native| short(score.time.least / native.score.time.least));
         let end = [
+            ratio.unwrap_or_default(),
             format!("{:.1e}", score.residual),
             short(score.iterations),
             score.most_iterations.to_string(),
