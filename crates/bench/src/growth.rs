@@ -130,7 +130,7 @@ impl Curve {
     pub fn exponent(&self, least: usize) -> Option<f64> {
         let large = self.sizes.iter().filter(|size| size.bodies >= least);
         let point = |size: &Size| {
-            let step = size.step.as_ref().ok()?.median;
+            let step = size.step.as_ref().ok()?.least;
             Some(((size.bodies as f64).ln(), step.ln()))
         };
         let points: Vec<(f64, f64)> = large.filter_map(point).collect();

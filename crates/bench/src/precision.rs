@@ -3,7 +3,7 @@
 //! Errors are the worst over the case's bodies and sample times:
 //!
 //! ```text
-//!  position   |x − x*| / length        angle   |θ − θ*|
+//!  position   |x − x*| / length        angle   |θ − θ*|, but for whole turns
 //!  velocity   max(|v − v*|, length |ω − ω*|) / speed
 //!  energy     |E − E*| / energy        gap     deepest penetration / length
 //! ```
@@ -12,6 +12,7 @@ mod case;
 mod known;
 mod motion;
 
+use std::f64::consts::TAU;
 use std::time::Duration;
 
 pub use case::{Case, cases};
@@ -189,7 +190,8 @@ impl Errors {
         for Known { body, q, v } in known {
             let (dq, dv) = (found.q[*body] - q, found.v[*body] - v);
             self.position = self.position.max(dq.xy().norm() / case.length);
-            self.angle = self.angle.max(dq.z.abs());
+            // Some engines know an angle up to whole turns.
+            self.angle = self.angle.max((dq.z - TAU * (dq.z / TAU).round()).abs());
             let dv = dv.xy().norm().max(case.length * dv.z.abs());
             self.velocity = self.velocity.max(dv / case.speed);
             (exact.q[*body], exact.v[*body]) = (*q, *v);

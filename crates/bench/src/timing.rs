@@ -58,6 +58,7 @@ pub struct Patience {
 pub type Work<'a, E> = Box<dyn FnMut() -> Result<Duration, E> + 'a>;
 
 /// Times candidates in turns. A candidate that fails is left out of later rounds; its error comes back.
+#[must_use]
 pub fn interleaved<E>(
     mut candidates: Vec<Work<'_, E>>,
     patience: &Patience,

@@ -6,6 +6,7 @@
 
 mod export;
 mod figures;
+mod markdown;
 mod outcome;
 mod page;
 mod plan;
@@ -79,8 +80,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     fs::create_dir_all(folder).map_err(|source| Failure::Write { file: folder.clone(), source })?;
     tables::save_all(&outcome, folder)?;
     let figures = figures::save_all(&outcome, folder)?;
+    write(&folder.join("tables.md"), &markdown::markdown(&outcome, &provenance))?;
     let page = folder.join("bench.html");
-    write(&page, &page::page(&outcome, &figures, &provenance, &plan)?)?;
+    write(&page, &page::page(&outcome, &figures, &provenance, &plan))?;
     console.say(format_args!("{}\n\nthe report: {}", tables::summary(&outcome), page.display()));
     Ok(())
 }

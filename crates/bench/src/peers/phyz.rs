@@ -53,7 +53,7 @@ impl Engine for Phyz {
             if translation.touches {
                 translation.through_contacts(steps)
             } else {
-                translation.jointed(steps)
+                Ok(translation.jointed(steps))
             }
         })))
     }
@@ -169,7 +169,7 @@ impl Translation {
         }
     }
 
-    fn jointed(&self, steps: usize) -> Result<f64, Refusal> {
+    fn jointed(&self, steps: usize) -> f64 {
         let dof = self.model.nv;
         let rollout = AdjointRollout {
             model: &self.model,
@@ -179,8 +179,7 @@ impl Translation {
             steps,
             ctrl: &move |_| DVec::zeros(dof),
         };
-        let found = self.objective(|objective| adjoint_rollout_gradient(&rollout, objective));
-        Ok(found.objective)
+        self.objective(|objective| adjoint_rollout_gradient(&rollout, objective)).objective
     }
 }
 

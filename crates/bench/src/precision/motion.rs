@@ -144,25 +144,24 @@ mod tests {
     #[test]
     fn swings() {
         let [angle, rate] = swing(1.5 * G, 2.5, 2.0);
-        near(angle, -0.133_402_730_266_384_21, 1e-11);
-        near(rate, 7.262_656_012_358_544_1, 1e-11);
+        near(angle, -0.133_402_730_266_384, 1e-11);
+        near(rate, 7.262_656_012_358_54, 1e-11);
         let [angle, _] = swing(G * 6.0 / (10.0 / 3.0 + 1.0), 1.2, 3.0);
-        near(angle, -0.971_480_744_352_383_41, 1e-11);
+        near(angle, -0.971_480_744_352_383, 1e-11);
     }
 
     /// Geometric series give the heights of a bouncing ball.
     #[test]
     fn drops() {
-        near(dropped(1.0)[0], 0.468_004_452_526_036_31, 1e-12);
-        near(dropped(3.0)[0], 0.068_707_460_965_765_722, 1e-12);
+        near(dropped(1.0)[0], 0.468_004_452_526_036, 1e-12);
+        near(dropped(3.0)[0], 0.068_707_460_965_765_7, 1e-12);
     }
 
     /// The box stands upright at the instants of its impacts.
     #[test]
     fn rocks() {
-        let tilt = 0.160_875_277_198_321_07;
-        for impact in [0.273_858_974_782_351_64, 0.666_850_965_033_691_34, 0.973_757_194_456_258_35]
-        {
+        let tilt = 0.160_875_277_198_321;
+        for impact in [0.273_858_974_782_351, 0.666_850_965_033_691, 0.973_757_194_456_258] {
             near(rocked(tilt, impact).q.z, 0.0, 1e-9);
         }
     }
@@ -171,7 +170,7 @@ mod tests {
     #[test]
     fn slides() {
         let known = slid(2.0);
-        near(known.q.x, 5.695_775_285_989_353_3, 1e-12);
+        near(known.q.x, 5.695_775_285_989_35, 1e-12);
         near(known.v.x + 0.25 * known.v.z, 0.0, 1e-12);
     }
 
@@ -179,7 +178,7 @@ mod tests {
     fn banks() {
         let end = banked(0.6);
         let loss = (end.q.x + 2.0).powi(2) + (end.q.y - 1.5).powi(2);
-        near(loss, 8.316_138_582_201_787_9, 1e-11);
+        near(loss, 8.316_138_582_201_78, 1e-11);
     }
 
     #[test]

@@ -75,13 +75,13 @@ fn precision(case: &Case, fronts: &[Front]) -> Chart {
     let shown = fronts.iter().filter(|front| !front.points.is_empty());
     for front in shown {
         let error = |point: &tangency_bench::precision::Point| point.error.state().max(FLOOR);
-        let value = front.points.iter().map(|p| (error(p), 1e3 * p.time.median)).collect();
+        let value = front.points.iter().map(|p| (error(p), 1e3 * p.time.least)).collect();
         curves.push(curve(&front.engine, value));
         let first = curves.len() == 1;
         let both = front
             .points
             .iter()
-            .filter_map(|p| p.with_gradient.map(|time| (error(p), 1e3 * time.median)));
+            .filter_map(|p| p.with_gradient.map(|time| (error(p), 1e3 * time.least)));
         let both: Vec<(f64, f64)> = if first { both.collect() } else { Vec::new() };
         if !both.is_empty() {
             let label = format!("{}, value and gradient (dashed)", front.engine);
@@ -95,7 +95,7 @@ fn precision(case: &Case, fronts: &[Front]) -> Chart {
             case.duration, case.source
         ),
         x: Axis::log("worst error of position, angle and velocity, scaled"),
-        y: Axis::log("time per simulated second, ms"),
+        y: Axis::log("least time per simulated second, ms"),
         curves,
         level: None,
     }
@@ -104,7 +104,7 @@ fn precision(case: &Case, fronts: &[Front]) -> Chart {
 fn growth(family: &str, growths: &[Growth]) -> Chart {
     let line = |growth: &Growth| {
         let place = |size: &tangency_bench::growth::Size| {
-            size.step.as_ref().ok().map(|step| (size.bodies as f64, 1e6 * step.median))
+            size.step.as_ref().ok().map(|step| (size.bodies as f64, 1e6 * step.least))
         };
         let points = growth.sizes.iter().filter_map(place).collect();
         let exponent = growth.exponent(LARGE);
@@ -116,7 +116,7 @@ fn growth(family: &str, growths: &[Growth]) -> Chart {
         title: format!("Time per step over the size of a {family}"),
         subtitle: format!("dt = 1/60 s; exponents fitted from {LARGE} bodies on"),
         x: Axis::log("bodies"),
-        y: Axis::log("time per step, µs"),
+        y: Axis::log("least time per step, µs"),
         curves: growths.iter().map(line).collect(),
         level: None,
     }
@@ -126,7 +126,7 @@ fn growth(family: &str, growths: &[Growth]) -> Chart {
 fn solvers(rows: &[SolverRow]) -> Chart {
     let mut curves: Vec<Curve> = Vec::new();
     for row in rows.iter().filter(|row| row.scene == ALL) {
-        let point = (row.score.residual.max(FLOOR), 1e6 * row.score.time.median);
+        let point = (row.score.residual.max(FLOOR), 1e6 * row.score.time.least);
         match curves.iter_mut().find(|curve| curve.label == row.solver) {
             Some(curve) => curve.points.push(point),
             None => curves.push(curve(row.solver, vec![point])),
@@ -136,7 +136,7 @@ fn solvers(rows: &[SolverRow]) -> Chart {
         title: "Solvers alone on recorded problems".into(),
         subtitle: "without guesses; tolerances 10⁻³, 10⁻⁶, 10⁻⁹ and 10⁻¹²".into(),
         x: Axis::log("worst natural residual of all solutions"),
-        y: Axis::log("mean time per problem, µs"),
+        y: Axis::log("least mean time per problem, µs"),
         curves,
         level: None,
     }

@@ -8,7 +8,6 @@ use super::plan::Plan;
 use super::provenance::Provenance;
 use super::row::Row;
 use super::tables::{exponents, lean, paths, short, solvers};
-use crate::Failure;
 use crate::grid::Grid;
 use crate::replay::escape_html;
 
@@ -20,7 +19,7 @@ pub(super) fn page(
     figures: &[Shown],
     provenance: &Provenance,
     plan: &Plan,
-) -> Result<String, Failure> {
+) -> String {
     let facts = provenance
         .facts
         .iter()
@@ -49,7 +48,7 @@ pub(super) fn page(
         ("@SCORES@", table(&solvers(outcome))),
         ("@LEAN@", table(&lean(outcome))),
     ];
-    Ok(fill.iter().fold(TEMPLATE.to_owned(), |page, (mark, text)| page.replace(mark, text)))
+    fill.iter().fold(TEMPLATE.to_owned(), |page, (mark, text)| page.replace(mark, text))
 }
 
 fn charts(figures: &[Shown], section: Section) -> String {
@@ -71,7 +70,7 @@ fn table(grid: &Grid) -> String {
     html.push_str("</tr></thead><tbody>");
     for row in rows {
         html.push_str("<tr>");
-        row.iter().for_each(|text| html.push_str(&cell(text)));
+        html.extend(row.iter().map(|text| cell(text)));
         html.push_str("</tr>\n");
     }
     html.push_str("</tbody></table></div>");
@@ -105,7 +104,7 @@ fn race(rows: &[Row]) -> String {
             escape_html(scene),
             short(dt)
         );
-        mine.iter().for_each(|row| html.push_str(&line(row, own)));
+        html.extend(mine.iter().map(|row| line(row, own)));
         html.push_str("</tbody>\n");
     }
     html
@@ -145,7 +144,7 @@ fn line(row: &Row, own: Option<f64>) -> String {
 }
 
 /// Three significant digits.
-fn digits(number: f64) -> String {
+pub(super) fn digits(number: f64) -> String {
     let decimals = if number < 10.0 { 2 } else { usize::from(number < 100.0) };
     if number < 1.0 { format!("{number:.3}") } else { format!("{number:.decimals$}") }
 }

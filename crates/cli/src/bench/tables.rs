@@ -185,10 +185,10 @@ pub(super) fn exponents(outcome: &Outcome) -> Grid {
         Grid::new(["family", "engine", "largest size", "µs per step there", "exponent", "note"]);
     for (family, curves) in &outcome.growth {
         for curve in curves {
-            let done = curve.sizes.iter().filter_map(|size| {
-                size.step.as_ref().ok().map(|step| (size.bodies, 1e6 * step.median))
+            let mut done = curve.sizes.iter().filter_map(|size| {
+                size.step.as_ref().ok().map(|step| (size.bodies, 1e6 * step.least))
             });
-            let largest = done.last();
+            let largest = done.next_back();
             let exponent = curve.exponent(LARGE).map(|p| format!("{p:.2}"));
             let left = curve.sizes.iter().find_map(|size| size.step.as_ref().err());
             grid.row([
