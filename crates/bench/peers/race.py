@@ -10,7 +10,6 @@ import csv
 import json
 import math
 import statistics
-import sys
 import time
 from dataclasses import dataclass
 
@@ -226,22 +225,25 @@ def _gradient(make, steps, options):
 
 
 def race(engines):
-    """Runs engines, a list of (name, build, accepts), on the exported scenes; writes CSV to stdout."""
+    """Runs engines, a list of (name, build, accepts), on the exported scenes; writes a CSV file."""
     parser = argparse.ArgumentParser()
     parser.add_argument("scenes", help="written by `tangency bench --export`")
+    # Not to stdout: some libraries print there while they are imported.
+    parser.add_argument("out", help="the CSV file to write")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--sample", type=float, default=0.02, help="shortest sample, s")
     parser.add_argument("--cap", type=float, default=1.0, help="longest run, s")
     options = parser.parse_args()
     with open(options.scenes, encoding="utf-8") as file:
         heats = [Heat(entry) for entry in json.load(file)]
-    writer = csv.DictWriter(sys.stdout, COLUMNS)
-    writer.writeheader()
-    for heat in heats:
-        for name, build, accepts in engines:
-            if accepts(heat):
-                writer.writerow(_measure(name, heat, build, options))
-                sys.stdout.flush()
+    with open(options.out, "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        for heat in heats:
+            for name, build, accepts in engines:
+                if accepts(heat):
+                    writer.writerow(_measure(name, heat, build, options))
+                    file.flush()
 
 
 def anything(_heat):

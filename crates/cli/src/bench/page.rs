@@ -63,6 +63,9 @@ fn charts(figures: &[Shown], section: Section) -> String {
 fn table(grid: &Grid) -> String {
     let mut rows = grid.rows().iter();
     let Some(heading) = rows.next() else { return String::new() };
+    if rows.len() == 0 {
+        return "<p>Not measured in this run.</p>".into();
+    }
     let mut html = String::from("<div class=\"wide\"><table><thead><tr>");
     for cell in heading {
         let _ = write!(html, "<th>{}</th>", escape_html(&cell.replace('_', " ")));
@@ -84,6 +87,9 @@ fn cell(text: &str) -> String {
 
 /// The race: a group of rows per scene, the fastest first.
 fn race(rows: &[Row]) -> String {
+    if rows.is_empty() {
+        return "<tbody><tr><td colspan=\"11\">Not measured in this run.</td></tr></tbody>".into();
+    }
     let mut html = String::new();
     let mut groups: Vec<(&str, f64)> = Vec::new();
     for row in rows {
@@ -129,11 +135,11 @@ fn line(row: &Row, own: Option<f64>) -> String {
         small(row.drift),
         small(row.residual),
         number(row.factorisations, |x| format!("{x:.2}")),
-        number(row.gradient, |multiple| format!("{multiple:.1}")),
+        row.gradient.map_or_else(|| absent(&row.note).into(), |multiple| format!("{multiple:.1}")),
     ];
     let class = if row.engine.starts_with("tangency") { " class=\"own\"" } else { "" };
     let mut html = format!("<tr{class}><th>{}", escape_html(&row.engine));
-    if !row.note.is_empty() {
+    if !row.note.is_empty() && absent(&row.note).is_empty() {
         let _ = write!(html, " <small>{}</small>", escape_html(&row.note));
     }
     html.push_str("</th>");
@@ -141,6 +147,15 @@ fn line(row: &Row, own: Option<f64>) -> String {
         let _ = write!(html, "<td class=\"number\">{cell}</td>");
     }
     html + "</tr>\n"
+}
+
+/// What a note says of a gradient that is not there, if it says nothing else.
+fn absent(note: &str) -> &'static str {
+    match note {
+        "no gradient" => "none",
+        "gradient refused" => "refused",
+        _ => "",
+    }
 }
 
 /// Three significant digits.

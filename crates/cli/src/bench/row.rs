@@ -83,11 +83,20 @@ pub(super) fn read_all(files: &[PathBuf]) -> Result<Vec<Row>, Failure> {
     Ok(rows)
 }
 
+/// Not from the process of the other rows.
+fn separate(row: Row) -> Row {
+    let note = match row.note.as_str() {
+        "" | "no gradient" => "separate process".to_owned(),
+        note => format!("separate process; {note}"),
+    };
+    Row { note, ..row }
+}
+
 fn read(file: &Path) -> Result<Vec<Row>, Failure> {
     let mut reader = csv::Reader::from_path(file)
         .map_err(|error| Failure::Read { file: file.to_owned(), source: error.into() })?;
     let row = |(index, row): (usize, Result<Row, csv::Error>)| {
-        row.map_err(|error| Failure::Input {
+        row.map(separate).map_err(|error| Failure::Input {
             file: file.to_owned(),
             line: index as u64 + 2,
             message: format!("{error}; the columns are those of race.csv"),
