@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let provenance = Provenance::of_this_run();
     let plan = Plan::new(arguments);
     let mut outcome = Outcome::measure(&plan, console)?;
-    outcome.race.extend(guests);
+    outcome.add_guests(guests);
 
     let folder = &arguments.out;
     fs::create_dir_all(folder).map_err(|source| Failure::Write { file: folder.clone(), source })?;

@@ -139,11 +139,16 @@ impl Axis {
         ticks
     }
 
-    /// 1, 2 and 5 times powers of ten.
+    /// 1, 2 and 5 times powers of ten; all digits within less than a decade.
     fn ticks_within_decades((low, high): (f64, f64)) -> Vec<f64> {
         let (mut ticks, mut decade) = (Vec::new(), low.floor());
         while decade <= high {
-            ticks.extend([1.0_f64, 2.0, 5.0].map(|factor| decade + factor.log10()));
+            let factors: &[f64] = if high - low < 0.7 {
+                &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+            } else {
+                &[1.0, 2.0, 5.0]
+            };
+            ticks.extend(factors.iter().map(|factor| decade + factor.log10()));
             decade += 1.0;
         }
         ticks.retain(|place| (low..=high).contains(place));

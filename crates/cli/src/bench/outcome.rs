@@ -80,6 +80,15 @@ impl Outcome {
         Ok(outcome)
     }
 
+    /// Other processes' rows, each below those of its scene.
+    pub(super) fn add_guests(&mut self, guests: Vec<Row>) {
+        for guest in guests {
+            let same = |row: &Row| row.scene == guest.scene && row.dt == guest.dt;
+            let place = self.race.iter().rposition(same).map_or(self.race.len(), |last| last + 1);
+            self.race.insert(place, guest);
+        }
+    }
+
     fn race(&mut self, plan: &Plan, own: &[Tangency], console: &Console) {
         let others = peers(false);
         let heats = heats(plan.longest_chain, plan.most_rows);
