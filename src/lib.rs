@@ -67,6 +67,7 @@ pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
 
 /// [`solvers`] that stop at a natural residual of `tolerance` and refuse one above it, or above 1e-10
 /// where that is more: for comparing what accuracy costs.
+#[cfg(any(feature = "ipm", feature = "clarabel"))]
 #[must_use]
 pub fn solvers_at(tolerance: f64) -> Vec<Box<dyn LcpSolver>> {
     let acceptance = tolerance.max(1e-10);
