@@ -62,7 +62,7 @@ pub use joint::{JointDef, JointKind, Limits, Motor, Softness, WORLD};
 pub use model::{Body, Control, Force, Joint, JointRow};
 pub use param::Param;
 pub use record::{ContactImpulse, Counts, IslandRecord, Path, PostRecord, StepRecord};
-pub use rollout::{Rollout, rollout, simulate};
+pub use rollout::{Rollout, rollout, rollout_in, simulate};
 pub use row::RowSource;
 pub use scene::Scene;
 pub use scene_def::{ContactModel, Correction, PairDef, SceneDef, Stabilisation};

@@ -11,7 +11,7 @@ use crate::island::{Groups, Island};
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::RowSource;
 use crate::rows::Rows;
-use crate::{Stage, State};
+use crate::{Rollout, Stage, State};
 
 /// Memory that is reused between steps; it never changes a result.
 ///
@@ -52,6 +52,11 @@ impl StepScratch {
         }
         self.vectors.give(after.q);
         self.vectors.give(after.v);
+    }
+
+    /// Takes the memory of a run that is needed no more.
+    pub fn recycle_run(&mut self, run: Rollout) {
+        run.records.into_iter().for_each(|record| self.recycle(record));
     }
 
     fn recycle_islands(&mut self, mut islands: Vec<IslandRecord>) {
