@@ -165,6 +165,14 @@ impl ActiveSystem {
         &self.saturated
     }
 
+    /// Whether every row is far from depending on the others, so that softer rows would change little;
+    /// known of systems that are eliminated by rows and do not slide.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        const FAR: f64 = 1e-3;
+        matches!(&self.factor, Factor::Symmetric(cholesky) if cholesky.count_below(FAR) == 0)
+    }
+
     /// How many active rows depend on the others; then single impulses are not unique.
     #[must_use]
     pub fn rank_defect(&self) -> u32 {
