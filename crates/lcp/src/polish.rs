@@ -56,12 +56,16 @@ impl Polished {
         self.residual.max()
     }
 
-    /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual.
+    /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual. Along
+    /// rows that depend on each other it is larger, the more the more of them share a load.
     #[must_use]
     pub fn rounding(&self, metric: &Metric) -> f64 {
+        let depends = |system: &Arc<ActiveSystem>| system.rank_defect() > 0;
+        let dependent = self.solution.system.as_ref().is_some_and(depends);
+        let digits = if dependent { 256.0 } else { 4.0 };
         let impulses = self.solution.impulses.iter().enumerate();
         let scaled = impulses.map(|(row, impulse)| metric.impulse(row, impulse.abs()));
-        metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max)).min(MOST_ROUNDING)
+        metric.relative(digits * f64::EPSILON * scaled.fold(0.0, f64::max)).min(MOST_ROUNDING)
     }
 
     fn better(self, other: Option<Self>) -> Self {
