@@ -39,10 +39,11 @@ impl Environment {
         control: &[f64],
         scratch: &mut StepScratch,
     ) -> Result<(), StepError> {
-        let record = match &self.last {
+        let mut record = match &self.last {
             Some(before) => next_step(&self.scene, solver, before, control, scratch)?,
             None => step(&self.scene, solver, &self.start, control, scratch)?,
         };
+        scratch.recycle_systems(&mut record);
         if let Some(before) = self.last.replace(record) {
             scratch.recycle(before);
         }

@@ -36,7 +36,7 @@ fn check_failure(failures: &[Failure]) {
 
 #[test]
 fn others_advance() {
-    for (threads, ()) in on_threads(|| {
+    on_threads(|| {
         let (mut batch, mut well) = (cartpoles(), cartpoles());
         let bad = plan(&batch);
         let good: Vec<f64> = bad.iter().map(|u| if u.is_nan() { 0.0 } else { *u }).collect();
@@ -55,9 +55,7 @@ fn others_advance() {
         assert!((waits - AT as f64 * batch.scene(BAD).dt()).abs() < 1e-12, "{waits}");
         batch.reset(BAD);
         batch.step(&pushes(batch.scene(0), ENVIRONMENTS)).expect("all step");
-    }) {
-        assert!(threads > 0);
-    }
+    });
 }
 
 #[test]
