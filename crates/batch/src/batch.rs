@@ -12,6 +12,35 @@ use crate::workspace::Workspaces;
 /// Many environments that are stepped, rolled out and differentiated side by side.
 ///
 /// All have the same number of control channels; they may differ in everything else.
+///
+/// ```
+/// use tangency_batch::{Batch, Controls};
+/// use tangency_core::{BodyDef, Param, Scene, SceneDef};
+/// use tangency_lcp::LcpSolver;
+/// # fn default_solver() -> Box<dyn LcpSolver> { Box::new(tangency_lcp_ipm::InteriorPoint::default()) }
+///
+/// // 100 stones fall, each on a planet of its own. Where is each after a second?
+/// let name = "stone".into();
+/// let stone = BodyDef { name, mass: Some(1.0), inertia: Some(1.0), ..BodyDef::default() };
+/// let scene = Scene::new(&SceneDef { bodies: vec![stone], dt: 0.01, ..SceneDef::default() })?;
+/// let mut batch = Batch::new(scene, 100, default_solver());
+/// for planet in 0..100 {
+///     batch.set(planet, Param::Gravity(1), -0.1 * planet as f64)?;
+/// }
+/// let found = batch.value_and_gradient(100, Controls::Zero, |_planet, k, state, bar| {
+///     if k < 100 {
+///         return 0.0;
+///     }
+///     bar.q[0].y += 1.0; // the loss is the height at the end
+///     state.q[0].y
+/// })?;
+/// let by_gravity = |i: usize| {
+///     let found = found.results[i].as_ref()?;
+///     Some(found.gradient.by.by(batch.scene(i), Param::Gravity(1)))
+/// };
+/// assert!((by_gravity(7).unwrap() - 0.505).abs() < 1e-12); // ½ t² + ½ t dt
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Batch {
     pub(crate) environments: Vec<Environment>,
     pub(crate) channels: usize,

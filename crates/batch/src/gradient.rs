@@ -37,7 +37,7 @@ impl Batch {
         Ok(self.look_ahead(|environment, _| {
             let run = rollouts[environment].as_ref().ok_or(Failure::NoRollout { environment })?;
             self.differentiate(environment, run, |k, state, bar| {
-                add_seed(environment, k, state, bar)
+                add_seed(environment, k, state, bar);
             })
         }))
     }

@@ -55,7 +55,8 @@ impl Work {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let turns = std::env::args().nth(1).map_or(Ok(20), |turns| turns.parse())?;
     let cores = std::thread::available_parallelism()?.get();
-    let sizes: Vec<usize> = (0..).map(|k| 1 << k).take_while(|threads| *threads <= cores).collect();
+    let sizes: Vec<usize> =
+        std::iter::successors(Some(1), |n| Some(2 * n).filter(|n| *n <= cores)).collect();
     let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
     let pools: Vec<ThreadPool> = sizes.iter().map(pool).collect::<Result<_, _>>()?;
     println!(
