@@ -1,7 +1,7 @@
 //! Rollouts side by side.
 
 use rayon::prelude::*;
-use tangency_core::{Rollout, next_step, step};
+use tangency_core::{Rollout, State, rollout_in};
 
 use crate::controls::Place;
 use crate::outcomes::Outcomes;
@@ -54,7 +54,7 @@ impl Batch {
         Ok(self.look_ahead(|environment, workspace| {
             let run = self.roll(self.place(environment, steps), &controls, workspace)?;
             let made = map(environment, &run);
-            run.records.into_iter().for_each(|record| workspace.scratch.recycle(record));
+            workspace.scratch.recycle_run(run);
             made
         }))
     }
@@ -88,19 +88,13 @@ impl Batch {
     ) -> Result<Rollout, Failure> {
         let Place { environment, steps, .. } = place;
         let Workspace { scratch, control: room } = workspace;
-        let (scene, solver) = (self.scene(environment), &*self.solver);
-        let initial = self.state(environment).clone();
-        let mut run = Rollout { initial, records: Vec::with_capacity(steps) };
-        for k in 0..steps {
-            let state = run.state(k);
-            let control = controls.at(Place { step: k, ..place }, state, room);
-            let record = match run.records.last() {
-                Some(before) => next_step(scene, solver, before, control, scratch),
-                None => step(scene, solver, state, control, scratch),
-            };
-            let record = record.map_err(|source| Failure::Step { environment, step: k, source })?;
-            run.records.push(record);
-        }
-        Ok(run)
+        let (scene, initial) = (self.scene(environment), self.state(environment).clone());
+        let mut step = 0;
+        let control = |k, state: &State| {
+            step = k;
+            controls.at(Place { step, ..place }, state, room).to_vec()
+        };
+        rollout_in(scene, &*self.solver, initial, steps, control, scratch)
+            .map_err(|source| Failure::Step { environment, step, source })
     }
 }

@@ -1,10 +1,10 @@
 //! Bodies that touch or are joined form an island: a problem of its own.
 
 use nalgebra::Vector3;
-use tangency_lcp::{Lcp, NO_BODY, Row};
+use tangency_lcp::{Law, Lcp, NO_BODY, Row};
 
-use crate::row::{RowContext, RowGeometry, RowSource, Stage};
-use crate::rows::Rows;
+use crate::row::{RowContext, RowSource, Stage};
+use crate::rows::{Rows, set_right_side};
 use crate::scratch::StepScratch;
 
 /// The problem of one island, and what its bodies and rows are.
@@ -44,132 +44,111 @@ pub(crate) struct Groups {
 }
 
 impl Groups {
-    /// Joins the dynamic bodies of every row.
-    fn join(&mut self, context: &RowContext<'_>, geometry: &[RowGeometry]) {
-        let bodies = context.scene.bodies.len();
+    /// Joins the bodies of every row.
+    fn join(&mut self, bodies: usize, rows: &[Row]) {
         for list in [&mut self.parent, &mut self.island, &mut self.local] {
             list.clear();
             list.resize(bodies, NO_BODY);
         }
-        for row in geometry {
-            let mut first = NO_BODY;
-            for body in row.bodies.into_iter().flatten().filter(|b| context.scene.is_dynamic(*b)) {
-                if self.parent[body] == NO_BODY {
-                    self.parent[body] = number(body);
-                }
-                let root = self.root(body);
-                if first == NO_BODY {
-                    first = root;
-                } else {
-                    self.parent[first.max(root) as usize] = first.min(root);
-                }
+        let mut last = [NO_BODY; 2];
+        for row in rows {
+            if row.bodies == last {
+                continue;
+            }
+            last = row.bodies;
+            match row.bodies.map(|body| self.root(body)) {
+                [NO_BODY, _] | [_, NO_BODY] => {}
+                [a, b] => self.parent[a.max(b) as usize] = a.min(b),
             }
         }
     }
 
-    fn root(&mut self, body: usize) -> u32 {
-        let mut i = body;
-        while self.parent[i] as usize != i {
-            self.parent[i] = self.parent[self.parent[i] as usize];
-            i = self.parent[i] as usize;
+    /// The lowest body of a body's set, which it founds if it is in none.
+    fn root(&mut self, body: u32) -> u32 {
+        if body == NO_BODY {
+            return NO_BODY;
         }
-        number(i)
+        let mut i = body;
+        if self.parent[i as usize] == NO_BODY {
+            self.parent[i as usize] = body;
+        }
+        while self.parent[i as usize] != i {
+            self.parent[i as usize] = self.parent[self.parent[i as usize] as usize];
+            i = self.parent[i as usize];
+        }
+        i
     }
 
-    /// The island of a body that has rows.
-    fn island_of(&mut self, body: usize) -> Option<usize> {
-        if self.parent[body] == NO_BODY {
-            return None;
-        }
+    /// The island of a row, if it has a body.
+    fn island_of(&mut self, row: &Row) -> Option<usize> {
+        let body = row.bodies.into_iter().find(|body| *body != NO_BODY)?;
         let root = self.root(body);
         Some(self.island[root as usize] as usize)
     }
+
+    /// A row over the bodies of its island, in which `before` is the row before it.
+    fn localise(&self, row: &mut Row, before: u32) {
+        row.bodies = row.bodies.map(|body| match body {
+            NO_BODY => NO_BODY,
+            body => self.local[body as usize],
+        });
+        if let Law::Friction { normal, .. } = &mut row.law {
+            *normal = before;
+        }
+    }
 }
 
-/// Groups rows into islands, ordered by their lowest body, and assembles each.
+/// Groups rows into islands, ordered by their lowest body; takes the rows.
 pub(crate) fn assemble(
     context: &RowContext<'_>,
     momentum: &[Vector3<f64>],
-    rows: &Rows,
+    rows: &mut Rows,
     scratch: &mut StepScratch,
 ) -> Vec<Island> {
     let mut groups = std::mem::take(&mut scratch.groups);
     let mut islands = scratch.islands.take();
-    groups.join(context, &rows.geometry);
+    groups.join(momentum.len(), &rows.rows);
     for (body, momentum) in momentum.iter().enumerate() {
-        if groups.parent[body] == NO_BODY {
+        let (parent, number) = (groups.parent[body], number(body));
+        if parent == NO_BODY {
             continue;
         }
-        if groups.parent[body] == number(body) {
-            groups.island[body] = number(islands.len());
+        let root = groups.root(number) as usize;
+        if parent == number {
+            groups.island[root] = self::number(islands.len());
             islands.push(scratch.island(context.stage));
         }
-        let index = groups.island_of(body).expect("it has rows");
-        let island = &mut islands[index];
-        groups.local[body] = number(island.bodies.len());
-        island.bodies.push(number(body));
+        let island = &mut islands[groups.island[root] as usize];
+        groups.local[body] = self::number(island.bodies.len());
+        island.bodies.push(number);
         island.problem.mass.push(context.scene.bodies[body].mass);
         island.problem.momentum.push(*momentum);
     }
-    for (source, geometry) in rows.sources.iter().zip(&rows.geometry) {
-        let mut sides = geometry.bodies.iter().flatten();
-        let Some(index) = sides.find_map(|body| groups.island_of(*body)) else { continue };
-        let island = &mut islands[index];
-        let before = number(island.problem.rows.len()).saturating_sub(1);
-        let row = assemble_row(context, *source, geometry, &groups.local, before);
-        island.sources.push(*source);
-        island.problem.rows.push(row);
-    }
+    distribute(&mut groups, rows, &mut islands);
     scratch.groups = groups;
     islands
 }
 
-/// `before` is the index of the row before it.
-fn assemble_row(
-    context: &RowContext<'_>,
-    source: RowSource,
-    geometry: &RowGeometry,
-    local: &[u32],
-    before: u32,
-) -> Row {
-    let mut row = Row {
-        bodies: [NO_BODY; 2],
-        jacobian: [Vector3::zeros(); 2],
-        rhs: 0.0,
-        compliance: 0.0,
-        law: context.law(source, before),
-    };
-    for side in 0..2 {
-        let Some(body) = geometry.bodies[side].filter(|b| context.scene.is_dynamic(*b)) else {
-            continue;
-        };
-        row.bodies[side] = local[body];
-        row.jacobian[side] = geometry.jacobian[side];
-    }
-    set_right_side(context, source, geometry, &mut row);
-    row
-}
-
-/// b and c of a row; sides that are driven take their known velocity off b.
-fn set_right_side(
-    context: &RowContext<'_>,
-    source: RowSource,
-    geometry: &RowGeometry,
-    row: &mut Row,
-) {
-    let bounces = matches!(source, RowSource::Normal { .. });
-    let speed = if bounces { context.speed(geometry) } else { 0.0 };
-    let rhs = context.rhs(source, geometry.value, speed);
-    row.rhs = rhs.value;
-    row.compliance = rhs.compliance;
-    if !context.stage.is_velocity() {
+/// Gives every row to its island.
+fn distribute(groups: &mut Groups, rows: &mut Rows, islands: &mut [Island]) {
+    let bound = |row: &Row| row.bodies != [NO_BODY; 2];
+    if let [island] = islands
+        && rows.rows.iter().all(bound)
+    {
+        std::mem::swap(&mut island.sources, &mut rows.sources);
+        std::mem::swap(&mut island.problem.rows, &mut rows.rows);
+        for (index, row) in island.problem.rows.iter_mut().enumerate() {
+            groups.localise(row, number(index.saturating_sub(1)));
+        }
         return;
     }
-    for side in 0..2 {
-        let Some(body) = geometry.bodies[side] else { continue };
-        if !context.scene.is_dynamic(body) {
-            row.rhs -= geometry.jacobian[side].dot(&context.v[body]);
-        }
+    for (source, row) in rows.sources.drain(..).zip(rows.rows.drain(..)) {
+        let Some(index) = groups.island_of(&row) else { continue };
+        let island = &mut islands[index];
+        let (mut row, before) = (row, number(island.problem.rows.len()).saturating_sub(1));
+        groups.localise(&mut row, before);
+        island.sources.push(source);
+        island.problem.rows.push(row);
     }
 }
 

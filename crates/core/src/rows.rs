@@ -1,61 +1,96 @@
-//! The rows of a step with their geometry, in the order in which they enter its problems.
+//! The rows of a step, in the order in which they enter its problems.
 
 use nalgebra::Vector3;
+use tangency_lcp::{Law, NO_BODY, Row};
 
-use crate::detect::Reach;
 use crate::frames::Frames;
+use crate::reach::Groups;
+use crate::rhs::Rhs;
 use crate::row::{RowContext, RowGeometry, RowSource};
 
-/// Where each row comes from, and its value and gradient.
+/// Where each row comes from, and the row itself over the scene's own indices of bodies.
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) sources: Vec<RowSource>,
-    pub(crate) geometry: Vec<RowGeometry>,
+    pub(crate) rows: Vec<Row>,
 }
 
 impl Rows {
     /// All rows of the step, joints first, each friction row behind its normal row. `frames` are those
     /// of the context's poses.
-    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, reach: Reach) {
+    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
         self.sources.clear();
-        self.geometry.clear();
+        self.rows.clear();
         let post = !context.stage.is_velocity();
         for (index, joint) in (0_u32..).zip(&context.scene.joints) {
             if post && joint.softness.is_some() {
                 continue;
             }
-            for row in 0..u32::try_from(joint.held.len()).expect("few rows") {
-                self.push(context, frames, RowSource::Held { joint: index, row });
-            }
-            if joint.limits.lower.is_some() {
-                self.push_limit(context, frames, RowSource::Lower { joint: index }, reach);
-            }
-            if joint.limits.upper.is_some() {
-                self.push_limit(context, frames, RowSource::Upper { joint: index }, reach);
-            }
-            if joint.motor.is_some() && !post {
-                self.push(context, frames, RowSource::Motor { joint: index });
+            self.list_held(context, frames, index);
+            if joint.free.is_some() {
+                self.list_free(context, frames, index, groups);
             }
         }
-        self.list_contacts(context, frames);
+        self.list_contacts(context);
     }
 
-    fn list_contacts(&mut self, context: &RowContext<'_>, frames: &Frames) {
+    /// What a joint holds.
+    fn list_held(&mut self, context: &RowContext<'_>, frames: &Frames, index: u32) {
+        let joint = &context.scene.joints[index as usize];
+        for (row, held) in (0_u32..).zip(&joint.held) {
+            let geometry = context.joint_geometry_in(index, *held, frames);
+            let source = RowSource::Held { joint: index, row };
+            let Rhs { value, compliance, .. } = context.rhs(source, geometry.value, 0.0);
+            let part = |side: usize| match joint.unknowns[side] {
+                NO_BODY => Vector3::zeros(),
+                _ => geometry.jacobian[side],
+            };
+            let driven = joint.driven && context.stage.is_velocity();
+            self.sources.push(source);
+            self.rows.push(Row {
+                bodies: joint.unknowns,
+                jacobian: [part(0), part(1)],
+                rhs: if driven { value - driven_speed(context, &geometry) } else { value },
+                compliance,
+                law: Law::Equality,
+            });
+        }
+    }
+
+    /// Limits in reach, and the motor.
+    fn list_free(
+        &mut self,
+        context: &RowContext<'_>,
+        frames: &Frames,
+        index: u32,
+        groups: &Groups,
+    ) {
+        let joint = &context.scene.joints[index as usize];
+        if joint.limits.lower.is_some() {
+            self.push_limit(context, frames, RowSource::Lower { joint: index }, groups);
+        }
+        if joint.limits.upper.is_some() {
+            self.push_limit(context, frames, RowSource::Upper { joint: index }, groups);
+        }
+        if joint.motor.is_some() && context.stage.is_velocity() {
+            let source = RowSource::Motor { joint: index };
+            self.push(context, source, &context.geometry_in(source, frames));
+        }
+    }
+
+    fn list_contacts(&mut self, context: &RowContext<'_>) {
         for (index, contact) in (0_u32..).zip(context.contacts) {
             if !contact.normal.x.is_finite() {
                 continue; // moved until two points coincide: nothing to mend, and no direction
             }
-            self.push(context, frames, RowSource::Normal { contact: index });
+            let source = RowSource::Normal { contact: index };
+            self.push(context, source, &context.geometry(source));
             let [a, b] = context.contact_bodies(index);
             if context.stage.is_velocity() && context.scene.pair_friction(a, b).value > 0.0 {
-                self.push(context, frames, RowSource::Tangent { contact: index });
+                let source = RowSource::Tangent { contact: index };
+                self.push(context, source, &context.geometry(source));
             }
         }
-    }
-
-    fn push(&mut self, context: &RowContext<'_>, frames: &Frames, source: RowSource) {
-        self.sources.push(source);
-        self.geometry.push(context.geometry_in(source, frames));
     }
 
     /// The row of a limit if the free coordinate can get there within the step.
@@ -64,14 +99,65 @@ impl Rows {
         context: &RowContext<'_>,
         frames: &Frames,
         source: RowSource,
-        reach: Reach,
+        groups: &Groups,
     ) {
         let geometry = context.geometry_in(source, frames);
+        let reach = groups.of_joint(geometry.bodies);
         let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
         let bound: f64 = geometry.jacobian.iter().map(travel).sum();
         if geometry.value <= bound {
-            self.sources.push(source);
-            self.geometry.push(geometry);
+            self.push(context, source, &geometry);
         }
     }
+
+    fn push(&mut self, context: &RowContext<'_>, source: RowSource, geometry: &RowGeometry) {
+        let before = number(self.rows.len()).saturating_sub(1);
+        let mut row = Row {
+            bodies: [NO_BODY; 2],
+            jacobian: [Vector3::zeros(); 2],
+            rhs: 0.0,
+            compliance: 0.0,
+            law: context.law(source, before),
+        };
+        for side in 0..2 {
+            if let Some(body) = geometry.bodies[side]
+                && context.scene.is_dynamic(body)
+            {
+                row.bodies[side] = number(body);
+                row.jacobian[side] = geometry.jacobian[side];
+            }
+        }
+        set_right_side(context, source, geometry, &mut row);
+        self.sources.push(source);
+        self.rows.push(row);
+    }
+}
+
+/// b and c of a row; sides that are driven take their known velocity off b.
+pub(crate) fn set_right_side(
+    context: &RowContext<'_>,
+    source: RowSource,
+    geometry: &RowGeometry,
+    row: &mut Row,
+) {
+    let bounces = matches!(source, RowSource::Normal { .. });
+    let speed = if bounces { context.speed(geometry) } else { 0.0 };
+    let rhs = context.rhs(source, geometry.value, speed);
+    row.rhs = rhs.value;
+    row.compliance = rhs.compliance;
+    if context.stage.is_velocity() {
+        row.rhs -= driven_speed(context, geometry);
+    }
+}
+
+/// What the velocities of bodies without unknowns contribute to J v.
+fn driven_speed(context: &RowContext<'_>, geometry: &RowGeometry) -> f64 {
+    let driven = |(body, j): (&Option<usize>, &Vector3<f64>)| {
+        body.filter(|b| !context.scene.is_dynamic(*b)).map(|b| j.dot(&context.v[b]))
+    };
+    geometry.bodies.iter().zip(&geometry.jacobian).filter_map(driven).sum()
+}
+
+fn number(index: usize) -> u32 {
+    u32::try_from(index).expect("fewer bodies and rows than u32 counts")
 }

@@ -21,6 +21,7 @@
 use nalgebra::Vector3;
 
 use crate::block_factor::BlockFactor;
+use crate::cholesky::Cholesky;
 use crate::equations::{Equations, Side};
 use crate::factor::Factor;
 use crate::{Law, Lcp, Metric, Mode, Scratch, order, saddle};
@@ -87,6 +88,25 @@ impl ActiveSystem {
         Self { rows, unit: metric.unit(), ..Self::default() }
     }
 
+    /// Becomes the system of equalities only, which are factored already.
+    pub(crate) fn become_factored(
+        &mut self,
+        metric: &Metric,
+        cholesky: Cholesky,
+        scratch: &mut Scratch,
+    ) {
+        std::mem::replace(&mut self.factor, Factor::Symmetric(cholesky)).give(scratch);
+        let rows = &metric.equations.rows;
+        self.unit = metric.unit();
+        self.rank_defect = 0;
+        self.folds.clear();
+        self.saturated.clear();
+        self.rows.clear();
+        self.rows.extend((0_u32..).take(rows.len()));
+        self.inverse.clear();
+        self.inverse.extend(rows.iter().map(|row| row.inverse));
+    }
+
     /// Becomes the system of other modes, or of another problem, in the same memory. The equations
     /// stay in `scratch`.
     pub(crate) fn renew(
@@ -103,7 +123,7 @@ impl ActiveSystem {
         list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
-        self.factor = match metric.pattern(self.rows.len(), width) {
+        self.factor = match metric.pattern(self.rows.len(), width, !self.folds.is_empty()) {
             Some(pattern) => {
                 equations.gather(problem, metric, self);
                 equations.find_runs(problem, &self.rows);
@@ -143,6 +163,14 @@ impl ActiveSystem {
     #[must_use]
     pub fn saturated(&self) -> &[(u32, f64)] {
         &self.saturated
+    }
+
+    /// Whether every row is far from depending on the others, so that softer rows would change little;
+    /// known of systems that are eliminated by rows and do not slide.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        const FAR: f64 = 1e-3;
+        matches!(&self.factor, Factor::Symmetric(cholesky) if cholesky.count_below(FAR) == 0)
     }
 
     /// How many active rows depend on the others; then single impulses are not unique.
@@ -185,7 +213,7 @@ impl ActiveSystem {
             }
             None => found.impulses.resize(self.rows.len(), 0.0),
         }
-        self.refine(Side::Forward, &momentum, &rhs, scratch, found);
+        self.refine(Side::Forward, &momentum, &rhs, SURE, scratch, found);
         scratch.vectors.give(momentum);
         scratch.floats.give(rhs);
     }
@@ -281,7 +309,9 @@ impl ActiveSystem {
         weighted.extend(rhs.iter().zip(&self.inverse).map(|(b, inverse)| b * inverse));
         found.impulses.clear();
         found.impulses.resize(self.rows.len(), 0.0);
-        self.refine(side, momentum, &weighted, scratch, found);
+        // Derivatives along dependent rows are worth every sweep.
+        let sure = if self.rank_defect == 0 { SURE } else { 0.0 };
+        self.refine(side, momentum, &weighted, sure, scratch, found);
         if found.defect > STIFF || found.defect.is_nan() {
             let stiff = self.refine_stiff(&scratch.equations, side, momentum, &weighted);
             if let Some(stiff) = stiff.filter(|stiff| stiff.defect < found.defect) {
@@ -304,12 +334,14 @@ impl ActiveSystem {
         Some(found)
     }
 
-    /// Sweeps from the impulses ŷ that are in `found`; leaves true impulses.
+    /// Sweeps from the impulses ŷ that are in `found`; leaves true impulses. A defect that the next sweep
+    /// would bring below `sure` is not looked at.
     fn refine(
         &self,
         side: Side,
         momentum: &[Vector3<f64>],
         rhs: &[f64],
+        sure: f64,
         scratch: &mut Scratch,
         found: &mut Reduced,
     ) {
@@ -339,7 +371,7 @@ impl ActiveSystem {
             equations.add_impulses(side, &r, &mut z);
             equations.advance(&mut z, v);
             let ahead = defect * (defect / previous);
-            if sweep > 0 && ahead <= SURE * scale {
+            if sweep > 0 && ahead <= sure * scale {
                 defect = ahead;
                 break;
             }

@@ -4,6 +4,8 @@
 //! stacks come in one) their matrices are narrow bands; a full matrix is the band of width n. One
 //! storage serves both: entry (i, j) lies at `i · stride + offset + j`.
 
+use crate::narrow;
+
 /// A square matrix, row by row, of which only a band is stored.
 #[derive(Clone, Debug)]
 pub struct BandMatrix {
@@ -34,8 +36,20 @@ impl BandMatrix {
     }
 
     /// [`zeros_lower`](Self::zeros_lower) in memory that is used again.
-    pub(crate) fn lower_in(n: usize, lower: usize, memory: Vec<f64>) -> Self {
-        Self::with_width(n, lower, lower + 1, memory)
+    pub(crate) fn lower_in(n: usize, lower: usize, mut memory: Vec<f64>) -> Self {
+        match narrow::rounded(lower) {
+            Some(lower) => {
+                memory.clear();
+                memory.resize(n * (lower + 1), 0.0);
+                Self::narrow(n, lower, memory)
+            }
+            None => Self::with_width(n, lower, lower + 1, memory),
+        }
+    }
+
+    /// Rows of a narrow band after each other.
+    pub(crate) fn narrow(n: usize, lower: usize, data: Vec<f64>) -> Self {
+        Self { n, lower, stride: lower, offset: lower, data }
     }
 
     fn with_width(n: usize, lower: usize, width: usize, mut data: Vec<f64>) -> Self {

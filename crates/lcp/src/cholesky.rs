@@ -1,9 +1,9 @@
-//! Cholesky's factorisation of band matrices.
+//! Cholesky's factorisation of band matrices, without square roots.
 
 use crate::band::{BandMatrix, dot, subtract};
 use crate::narrow;
 
-/// A = L Lᵀ inside the envelope.
+/// A = L D Lᵀ inside the envelope.
 #[derive(Clone, Debug)]
 pub struct Cholesky {
     matrix: BandMatrix,
@@ -12,7 +12,7 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factors; squared pivots smaller than `floor` are replaced by it.
+    /// Factors; pivots smaller than `floor` are replaced by it.
     #[must_use]
     pub fn new(matrix: BandMatrix, floor: f64) -> Self {
         Self::in_memory(matrix, floor, (Vec::new(), Vec::new()))
@@ -42,19 +42,24 @@ impl Cholesky {
         Self { matrix, first, inverse }
     }
 
+    /// Of rows of a narrow band that are factored already.
+    pub(crate) fn factored(matrix: BandMatrix, inverse: Vec<f64>) -> Self {
+        Self { matrix, first: Vec::new(), inverse }
+    }
+
     /// Its memory.
     pub(crate) fn into_memory(self) -> (Vec<f64>, Vec<u32>, Vec<f64>) {
         (self.matrix.data, self.first, self.inverse)
     }
 
-    /// Squared pivots in order of elimination.
+    /// Pivots in order of elimination.
     pub fn pivots(&self) -> impl Iterator<Item = f64> {
-        self.inverse.iter().map(|inverse| (inverse * inverse).recip())
+        self.inverse.iter().map(|inverse| inverse.recip())
     }
 
-    /// Number of squared pivots below a bound.
+    /// Number of pivots below a bound.
     pub(crate) fn count_below(&self, bound: f64) -> usize {
-        self.inverse.iter().filter(|inverse| *inverse * *inverse * bound > 1.0).count()
+        self.inverse.iter().filter(|inverse| *inverse * bound > 1.0).count()
     }
 
     /// x ← A⁻¹ x.
@@ -74,18 +79,18 @@ impl Cholesky {
         let n = self.matrix.len();
         for i in 0..n {
             let from = self.first[i] as usize;
-            let sum = dot(self.matrix.row(i, from, i), &x[from..i]);
-            x[i] = (x[i] - sum) * self.inverse[i];
+            x[i] -= dot(self.matrix.row(i, from, i), &x[from..i]);
         }
+        x.iter_mut().zip(&self.inverse).for_each(|(x, inverse)| *x *= inverse);
         for i in (0..n).rev() {
             let from = self.first[i] as usize;
-            x[i] *= self.inverse[i];
             let value = x[i];
             subtract(&mut x[from..i], value, self.matrix.row(i, from, i));
         }
     }
 }
 
+/// The formulas of [`narrow`]; the c of a row are kept in its place until it is done.
 #[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
 fn factor_envelope(matrix: &mut BandMatrix, first: &mut [u32], inverse: &mut [f64], floor: f64) {
     for i in 0..matrix.len() {
@@ -96,10 +101,14 @@ fn factor_envelope(matrix: &mut BandMatrix, first: &mut [u32], inverse: &mut [f6
         for j in from..i {
             let common = from.max(first[j] as usize);
             let sum = dot(matrix.row(i, common, j), matrix.row(j, common, j));
-            matrix.data[base + j] = (matrix.data[base + j] - sum) * inverse[j];
+            matrix.data[base + j] -= sum;
         }
-        let row = matrix.row(i, from, i);
-        let square = (matrix.get(i, i) - dot(row, row)).max(floor);
-        inverse[i] = square.sqrt().recip();
+        let mut pivot = matrix.get(i, i);
+        for (c, inverse) in matrix.data[base + from..base + i].iter_mut().zip(&inverse[from..i]) {
+            let l = *c * inverse;
+            pivot -= *c * l;
+            *c = l;
+        }
+        inverse[i] = pivot.max(floor).recip();
     }
 }

@@ -69,8 +69,10 @@ impl Equations {
     /// Those of a system whose rows and folds are known.
     pub(crate) fn gather(&mut self, problem: &Lcp, metric: &Metric, system: &ActiveSystem) {
         self.rows.clear();
-        self.rows.extend(system.rows.iter().map(|row| metric.rows[*row as usize]));
-        self.complete(problem, system);
+        self.rows.extend(system.rows.iter().map(|row| metric.equations.rows[*row as usize]));
+        self.mass.clone_from(&metric.equations.mass);
+        self.inverse_mass.clone_from(&metric.equations.inverse_mass);
+        self.fold(problem, &system.folds);
     }
 
     /// The same without a metric, for a system that knows its weights.
@@ -88,10 +90,6 @@ impl Equations {
         };
         self.rows.clear();
         self.rows.extend(system.rows.iter().zip(&system.inverse).map(weigh));
-        self.complete(problem, system);
-    }
-
-    fn complete(&mut self, problem: &Lcp, system: &ActiveSystem) {
         self.weigh_bodies(problem, system.unit);
         self.fold(problem, &system.folds);
     }
@@ -110,10 +108,12 @@ impl Equations {
         }
     }
 
-    fn weigh_bodies(&mut self, problem: &Lcp, unit: f64) {
+    /// M/μ and μ/M of the bodies.
+    pub(crate) fn weigh_bodies(&mut self, problem: &Lcp, unit: f64) {
         self.mass.clear();
         self.inverse_mass.clear();
-        self.mass.extend(problem.mass.iter().map(|mass| mass / unit));
+        let per_unit = unit.recip();
+        self.mass.extend(problem.mass.iter().map(|mass| mass * per_unit));
         self.inverse_mass.extend(self.mass.iter().map(|mass| mass.map(f64::recip)));
         self.inverse_mass.push(Vector3::zeros());
     }

@@ -15,7 +15,7 @@ pub(crate) const PROXIMAL: f64 = 1e-9;
 
 /// ε of a first attempt where all rows are equalities: enough unless rows depend on each other.
 const LEAST: f64 = 1e-14;
-/// Squared pivots below this tell that they do.
+/// Pivots below this tell that they do.
 const DEPENDENT: f64 = 1e-6;
 
 /// A factorisation.

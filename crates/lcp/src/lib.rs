@@ -9,6 +9,7 @@
 mod active_system;
 mod amplification;
 mod band;
+mod banded;
 mod block_factor;
 mod box_form;
 mod cholesky;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::banded::solve_banded;
 use crate::{
     ActiveSystem, Law, Lcp, LcpError, LcpSolution, Metric, Mode, Reduced, Residual, Scratch,
     SolveStats,
@@ -43,6 +44,9 @@ pub(crate) fn solve_linear_in(
     if problem.rows.is_empty() {
         let velocities = problem.free_velocities();
         return Ok((LcpSolution { velocities, ..LcpSolution::default() }, Residual::default()));
+    }
+    if let Some(answer) = solve_banded(problem, metric, scratch) {
+        return Ok(answer);
     }
     let modes = scratch.modes.filled(problem.rows.len(), Mode::Active);
     let mut system = scratch.system();

@@ -18,6 +18,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use crate::equations::Equations;
 use crate::pattern::{Pattern, Patterns};
 use crate::{Law, Lcp, LcpError, NO_BODY, order};
 
@@ -33,10 +34,10 @@ pub struct Metric {
     root: Vec<f64>,
     /// 1/√(μ M) per body.
     inverse_root_mass: Vec<Vector3<f64>>,
-    /// 1/M per body, and 0 for what stands in for no body.
-    pub(crate) inverse_mass: Vec<Vector3<f64>>,
-    /// The rows, weighted.
-    pub(crate) rows: Vec<WeightedRow>,
+    /// All rows, weighted, and the masses.
+    pub(crate) equations: Equations,
+    /// Half-width of the band of all rows as they come.
+    pub(crate) width: usize,
     /// How bodies are eliminated, where that may pay.
     pattern: Option<Arc<Pattern>>,
     /// Working memory: the first row of each body.
@@ -101,36 +102,37 @@ impl Metric {
         self.scale = 0.0;
         self.weigh_bodies(problem);
         self.weigh_rows(problem);
-        let width = order::half_width_of_all(problem, &mut self.first_rows);
-        let may_pay = problem.rows.len() >= FEW_ROWS && width > NARROW;
+        self.width = order::half_width_of_all(problem, &mut self.first_rows);
+        let may_pay = problem.rows.len() >= FEW_ROWS && self.width > NARROW;
         self.pattern = may_pay.then(|| patterns.of(problem));
     }
 
     fn weigh_bodies(&mut self, problem: &Lcp) {
-        self.inverse_mass.clear();
+        self.equations.weigh_bodies(problem, self.unit);
         self.inverse_root_mass.clear();
-        for (mass, momentum) in problem.mass.iter().zip(&problem.momentum) {
-            let inverse = mass.map(|m| m.recip());
-            let root = mass.map(|m| (self.unit * m).sqrt().recip());
-            self.inverse_mass.push(inverse);
+        let per_unit = self.unit.recip();
+        for (inverse, momentum) in self.equations.inverse_mass.iter().zip(&problem.momentum) {
+            let root = inverse.map(f64::sqrt) * per_unit;
             self.inverse_root_mass.push(root);
-            self.scale = self.scale.max(momentum.component_mul(&root).amax());
+            let weighted = momentum.component_mul(&root).abs();
+            self.scale = self.scale.max(weighted.x).max(weighted.y).max(weighted.z);
         }
-        self.inverse_mass.push(Vector3::zeros());
     }
 
     fn weigh_rows(&mut self, problem: &Lcp) {
         let none = u32::try_from(problem.mass.len()).expect("fewer bodies than u32 counts");
+        let Equations { rows, inverse_mass, .. } = &mut self.equations;
         self.root.clear();
-        self.rows.clear();
+        rows.clear();
         for row in &problem.rows {
             let bodies = row.bodies.map(|body| if body == NO_BODY { none } else { body });
             let weight = |side: usize| {
                 let J = &row.jacobian[side];
-                J.component_mul(&self.inverse_mass[bodies[side] as usize]).dot(J)
+                J.component_mul(&inverse_mass[bodies[side] as usize]).dot(J)
             };
-            let weight = weight(0) + weight(1) + row.compliance;
-            let root = (self.unit * if weight > 0.0 { weight } else { 1.0 }).sqrt();
+            // μ Wᵢᵢ; 1 for a row without influence.
+            let weight = weight(0) + weight(1) + row.compliance * self.unit;
+            let root = if weight > 0.0 { weight.sqrt() } else { self.unit.sqrt() };
             let inverse = root.recip();
             let weighted = WeightedRow {
                 bodies,
@@ -141,16 +143,17 @@ impl Metric {
             };
             self.scale = self.scale.max(weighted.rhs.abs());
             self.root.push(root);
-            self.rows.push(weighted);
+            rows.push(weighted);
         }
     }
 
     /// How to eliminate bodies if that is cheaper than a band of `rows` rows of this half-width.
     ///
-    /// Counted are multiplications: of a factorisation and of three sweeps.
-    pub(crate) fn pattern(&self, rows: usize, width: usize) -> Option<&Arc<Pattern>> {
+    /// Counted are multiplications: of a factorisation and of three sweeps. Where friction slides, rows
+    /// need both triangles and room for exchanges.
+    pub(crate) fn pattern(&self, rows: usize, width: usize, slides: bool) -> Option<&Arc<Pattern>> {
         let pattern = self.pattern.as_ref()?;
-        let by_rows = rows * (width * width / 2 + 12 * width + 36);
+        let by_rows = rows * (width * width / 2 + 12 * width + 36) * if slides { 4 } else { 1 };
         let sweep = 18 * (pattern.bodies() + 2 * pattern.blocks()) + 24 * rows;
         let by_bodies = 27 * (pattern.bodies() + pattern.products() + rows) + 3 * sweep;
         (by_bodies < by_rows).then_some(pattern)
@@ -177,13 +180,13 @@ impl Metric {
     /// The impulse of a row's ŷ, N·s or N·m·s.
     #[must_use]
     pub fn true_impulse(&self, row: usize, impulse: f64) -> f64 {
-        impulse * (self.unit * self.rows[row].inverse)
+        impulse * (self.unit * self.equations.rows[row].inverse)
     }
 
     /// û of a row's remainder.
     #[must_use]
     pub fn remainder(&self, row: usize, remainder: f64) -> f64 {
-        remainder * self.rows[row].inverse
+        remainder * self.equations.rows[row].inverse
     }
 
     /// p/√M of one coordinate.

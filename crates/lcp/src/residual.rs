@@ -47,7 +47,7 @@ impl Residual {
 }
 
 /// Share of the impulses on a body that its momentum defect is relative to.
-const ROUNDING: f64 = 1e-4;
+pub(crate) const ROUNDING: f64 = 1e-4;
 
 impl Lcp {
     /// Natural residual of a candidate. Uses its velocities and impulses only: slacks and modes are
@@ -144,7 +144,8 @@ impl Lcp {
         balance.extend_from_slice(&self.momentum);
         balance.push(Vector3::zeros());
         let mut acting = scratch.vectors.filled(balance.len(), Vector3::zeros());
-        for ((row, weighted), impulse) in self.rows.iter().zip(&metric.rows).zip(impulses) {
+        for ((row, weighted), impulse) in self.rows.iter().zip(&metric.equations.rows).zip(impulses)
+        {
             for (body, J) in weighted.bodies.into_iter().zip(&row.jacobian) {
                 let change = J * *impulse;
                 balance[body as usize] += change;

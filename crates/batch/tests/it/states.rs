@@ -36,6 +36,29 @@ fn environments_with_numbers_of_their_own() {
 }
 
 #[test]
+fn environments_with_shapes_of_their_own() {
+    let def = scenes::race_bounce();
+    let shared = built(&def);
+    let radius = |i: usize| 0.1 + 0.01 * (i % 5) as f64;
+    let own = |i: usize| {
+        let mut scene = if i % 2 == 0 { shared.clone() } else { built(&def) };
+        scene.set(Param::Radius(1, 0), radius(i)).expect("a radius");
+        scene.set(Param::Position(1, 1), radius(i) + 0.01).expect("a place just above the floor");
+        scene
+    };
+    let scenes = (0..ENVIRONMENTS).map(own).collect();
+    let mut batch = Batch::of_scenes(scenes, solver()).expect("the same channels");
+    for steps in 1..6 {
+        batch.advance(steps, Controls::Zero).expect("all advance");
+    }
+    for i in 0..ENVIRONMENTS {
+        let alone = simulate(&own(i), &*solver(), 15).expect("a run");
+        assert_eq!(batch.record(i), alone.records.last());
+        assert!(alone.records.iter().any(|record| !record.contact_impulses().is_empty()));
+    }
+}
+
+#[test]
 fn a_reset_moves_one_environment() {
     let scene = built(&scenes::race_stack(3));
     let mut batch = fleet(&scene);
