@@ -123,7 +123,10 @@ impl ActiveSystem {
         list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
-        self.factor = match metric.pattern(self.rows.len(), width, !self.folds.is_empty()) {
+        let chosen = metric.pattern(self.rows.len(), width, !self.folds.is_empty());
+        // Rows as they come were found cheap.
+        let cheap = chosen.is_none() && metric.has_pattern();
+        self.factor = match chosen {
             Some(pattern) => {
                 equations.gather(problem, metric, self);
                 equations.find_runs(problem, &self.rows);
@@ -132,7 +135,8 @@ impl ActiveSystem {
             None => Factor::None,
         };
         if matches!(self.factor, Factor::None) {
-            let width = order::narrow(problem, &mut self.rows, width, scratch);
+            let width =
+                if cheap { width } else { order::narrow(problem, &mut self.rows, width, scratch) };
             list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
             equations.gather(problem, metric, self);
             self.factor = if self.rows.len() == problem.rows.len() && problem.is_linear() {
@@ -222,6 +226,9 @@ impl ActiveSystem {
     /// rows that S cannot tell apart; `None` if the problem is too large for it.
     #[must_use]
     pub fn solve_stiff(&self, problem: &Lcp) -> Option<Reduced> {
+        if !saddle::takes(problem.mass.len(), self.rows.len()) {
+            return None;
+        }
         let mut momentum = problem.momentum.clone();
         for &(row, impulse) in &self.saturated {
             problem.rows[row as usize].add_transposed(impulse, &mut momentum);

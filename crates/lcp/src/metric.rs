@@ -147,6 +147,11 @@ impl Metric {
         }
     }
 
+    /// Whether eliminating bodies was thought of.
+    pub(crate) fn has_pattern(&self) -> bool {
+        self.pattern.is_some()
+    }
+
     /// How to eliminate bodies if that is cheaper than a band of `rows` rows of this half-width.
     ///
     /// Counted are multiplications: of a factorisation and of three sweeps. Where friction slides, rows
