@@ -41,7 +41,7 @@ fn environments_with_shapes_of_their_own() {
     let shared = built(&def);
     let radius = |i: usize| 0.1 + 0.01 * (i % 5) as f64;
     let own = |i: usize| {
-        let mut scene = if i % 2 == 0 { shared.clone() } else { built(&def) };
+        let mut scene = if i.is_multiple_of(2) { shared.clone() } else { built(&def) };
         scene.set(Param::Radius(1, 0), radius(i)).expect("a radius");
         scene.set(Param::Position(1, 1), radius(i) + 0.01).expect("a place just above the floor");
         scene
