@@ -445,7 +445,9 @@ fn list_folds(
     for (slot, &row) in rows.iter().enumerate() {
         slots[row as usize] = slot as u32;
     }
-    folds.iter_mut().for_each(|fold| fold.column = slots[fold.column as usize]);
+    for fold in folds {
+        fold.column = slots[fold.column as usize];
+    }
     scratch.indices.give(slots);
 }
 
