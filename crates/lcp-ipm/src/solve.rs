@@ -1,13 +1,14 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish,
-    Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
+    BodySystem, BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode,
+    Polish, Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
 };
 use tangency_lcp_lemke::candidates;
 
 use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
+use crate::system::{RowSystem, System};
 
 /// Interior-point solver with active-set polish.
 ///
@@ -28,6 +29,9 @@ pub struct InteriorPoint {
     pub max_iterations: u32,
     /// Greatest number of mode corrections per attempt of the active-set loop. Default 8.
     pub max_flips: u32,
+    /// Whether modes read at the free velocities are tried before the interior point, which they
+    /// often make unnecessary. Default true.
+    pub cold_modes: bool,
     /// Whether the last stages are preceded by a test for conflicting constraints, which costs two
     /// solves of an easier problem. Default true.
     pub tell_infeasible: bool,
@@ -35,8 +39,14 @@ pub struct InteriorPoint {
 
 impl Default for InteriorPoint {
     fn default() -> Self {
-        let (tolerance, acceptance) = (1e-12, 1e-10);
-        Self { tolerance, acceptance, max_iterations: 60, max_flips: 8, tell_infeasible: true }
+        Self {
+            tolerance: 1e-12,
+            acceptance: 1e-10,
+            max_iterations: 60,
+            max_flips: 8,
+            cold_modes: true,
+            tell_infeasible: true,
+        }
     }
 }
 
@@ -84,12 +94,15 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
         self.stats.method = Method::ActiveSet;
-        if guess.is_some_and(|guess| self.warm(guess)) || self.cold() {
+        if guess.is_some_and(|guess| self.warm(guess)) || self.settings.cold_modes && self.cold() {
+            return self.finish();
+        }
+        self.stats.method = Method::InteriorPoint;
+        if self.by_bodies() || self.is_accepted() {
             return self.finish();
         }
         let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
-        self.stats.method = Method::InteriorPoint;
-        if self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.is_accepted() {
+        if self.by_rows(&form, BOLD) || self.by_rows(&form, CAREFUL) || self.is_accepted() {
             return self.finish();
         }
         if let Some(residual) = self.conflict() {
@@ -110,7 +123,7 @@ impl Search<'_> {
             return true;
         }
         self.stats.method = Method::InteriorPoint;
-        if self.interior(form, CAREFUL) || self.is_accepted() {
+        if self.by_rows(form, CAREFUL) || self.is_accepted() {
             return true;
         }
         self.polish = usual;
@@ -233,38 +246,57 @@ impl Search<'_> {
         })
     }
 
-    fn interior(&mut self, form: &BoxForm, pace: Pace) -> bool {
+    /// The interior point with the rows eliminated.
+    fn by_bodies(&mut self) -> bool {
+        let Polish { problem, metric, .. } = self.polish;
+        let Some(mut system) = BodySystem::new(problem, metric, self.scratch) else { return false };
+        let found = self.interior(&mut system, BOLD) || self.interior(&mut system, CAREFUL);
+        system.give(self.scratch);
+        found
+    }
+
+    /// The interior point on the rows' own matrix.
+    fn by_rows(&mut self, form: &BoxForm, pace: Pace) -> bool {
+        self.interior(&mut RowSystem::new(form), pace)
+    }
+
+    fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
         let before = self.stats.iterations;
-        let mut path = Loop::new(form, pace);
+        let mut path = Loop::new(system, pace, self.scratch);
         let mut tried: Option<Vec<Mode>> = None;
-        while path.iterations < self.settings.max_iterations {
-            let going = path.advance();
+        let mut found = false;
+        while !found && path.iterations < self.settings.max_iterations {
+            let going = path.advance(self.scratch);
             self.stats.factorisations += 1;
             self.stats.iterations = before + path.iterations;
             let y = if going { path.y() } else { path.best_y() };
-            if (path.best < 0.1 || !going) && self.polish_at(form, y, &mut tried) {
-                return true;
-            }
+            found = (path.best < 0.1 || !going) && self.polish_at(path.system, y, &mut tried);
             if !going {
                 break;
             }
         }
-        false
+        path.give(self.scratch);
+        found
     }
 
     /// Polishes the iterate if it shows modes that the last attempt did not.
-    fn polish_at(&mut self, form: &BoxForm, y: &[f64], tried: &mut Option<Vec<Mode>>) -> bool {
-        let impulses = form.impulses(y);
+    fn polish_at<S: System>(
+        &mut self,
+        system: &S,
+        y: &[f64],
+        tried: &mut Option<Vec<Mode>>,
+    ) -> bool {
+        let mut impulses = self.scratch.floats.take();
+        system.impulses(y, &mut impulses);
         let velocities = self.polish.problem.velocities(&impulses);
         let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
         let modes = self.polish.read_modes(&approximate);
-        if tried.as_ref() == Some(&modes) {
-            return false;
-        }
+        let known = tried.as_ref() == Some(&modes);
         *tried = Some(modes);
-        self.polish
-            .approximate(&approximate, self.scratch)
-            .is_some_and(|candidate| self.offer(candidate))
+        let polished =
+            if known { None } else { self.polish.approximate(&approximate, self.scratch) };
+        self.scratch.recycle(approximate);
+        polished.is_some_and(|candidate| self.offer(candidate))
     }
 
     fn finish(self) -> Result<LcpSolution, LcpError> {

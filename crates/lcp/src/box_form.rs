@@ -33,6 +33,43 @@ pub enum BoxLaw {
 }
 
 impl BoxLaw {
+    /// Of a row whose unknown is its ŷ in units of `scale`; the slots are the rows.
+    pub(crate) fn of_row(problem: &Lcp, metric: &Metric, row: usize, scale: f64) -> Self {
+        match problem.rows[row].law {
+            Law::Equality => Self::Free,
+            Law::Unilateral => Self::Positive,
+            Law::Bounded { max } => Self::Bounded { max: metric.impulse(row, max) / scale },
+            Law::Friction { normal, mu } => {
+                let normal = normal as usize;
+                let mu = mu * metric.root(row) / metric.root(normal);
+                Self::Friction { normal, mu }
+            }
+        }
+    }
+
+    /// Bound of a box unknown, infinite for others.
+    #[must_use]
+    pub fn bound(self, y: &[f64]) -> f64 {
+        match self {
+            Self::Bounded { max } => max,
+            Self::Friction { normal, mu } => mu * y[normal],
+            Self::Free | Self::Positive => f64::INFINITY,
+        }
+    }
+
+    /// What the law leaves over at unknowns y, of which this is `y_i`, and u_i: the natural map.
+    #[must_use]
+    pub fn defect(self, y_i: f64, u_i: f64, y: &[f64]) -> f64 {
+        match self {
+            Self::Free => u_i,
+            Self::Positive => y_i.min(u_i),
+            Self::Bounded { .. } | Self::Friction { .. } => {
+                let bound = self.bound(y).max(0.0);
+                y_i - (y_i - u_i).max(-bound).min(bound)
+            }
+        }
+    }
+
     /// Number of complementary pairs.
     #[must_use]
     pub fn pairs(self) -> usize {
@@ -79,18 +116,9 @@ impl BoxForm {
         for q in &mut q {
             *q /= scale;
         }
-        let law = |&row: &u32| {
-            let row = row as usize;
-            match problem.rows[row].law {
-                Law::Equality => BoxLaw::Free,
-                Law::Unilateral => BoxLaw::Positive,
-                Law::Bounded { max } => BoxLaw::Bounded { max: metric.impulse(row, max) / scale },
-                Law::Friction { normal, mu } => {
-                    let normal = normal as usize;
-                    let mu = mu * metric.root(row) / metric.root(normal);
-                    BoxLaw::Friction { normal: position[normal], mu }
-                }
-            }
+        let law = |&row: &u32| match BoxLaw::of_row(problem, metric, row as usize, scale) {
+            BoxLaw::Friction { normal, mu } => BoxLaw::Friction { normal: position[normal], mu },
+            law => law,
         };
         let laws = rows.iter().map(law).collect();
         let unscale = rows.iter().map(|&row| metric.true_impulse(row as usize, scale)).collect();
@@ -125,35 +153,6 @@ impl BoxForm {
         let mut u = self.matrix.times(y);
         u.iter_mut().zip(&self.q).for_each(|(u, q)| *u += q);
         u
-    }
-
-    /// Bound of a box unknown.
-    #[must_use]
-    pub fn bound(&self, slot: usize, y: &[f64]) -> f64 {
-        match self.laws[slot] {
-            BoxLaw::Bounded { max } => max,
-            BoxLaw::Friction { normal, mu } => mu * y[normal],
-            BoxLaw::Free | BoxLaw::Positive => f64::INFINITY,
-        }
-    }
-
-    /// Natural residual at y, in the scaled units.
-    #[must_use]
-    pub fn residual(&self, y: &[f64], u: &[f64]) -> f64 {
-        let mut worst = 0.0_f64;
-        for slot in 0..self.len() {
-            let (y_i, u_i) = (y[slot], u[slot]);
-            let defect = match self.laws[slot] {
-                BoxLaw::Free => u_i,
-                BoxLaw::Positive => y_i.min(u_i),
-                BoxLaw::Bounded { .. } | BoxLaw::Friction { .. } => {
-                    let bound = self.bound(slot, y).max(0.0);
-                    y_i - (y_i - u_i).max(-bound).min(bound)
-                }
-            };
-            worst = if defect.is_nan() { f64::INFINITY } else { worst.max(defect.abs()) };
-        }
-        worst
     }
 }
 
