@@ -60,6 +60,23 @@ impl Iterate {
         if steepest * limit > 1.0 { steepest.recip() } else { limit }
     }
 
+    /// A step becomes the point that it leads to; of the pairs only.
+    pub(crate) fn add(&mut self, from: &Self) {
+        for (pair, from) in self.pairs.iter_mut().zip(&from.pairs) {
+            for k in 0..4 {
+                pair[k] += from[k];
+            }
+        }
+    }
+
+    /// Whether the same member of each pair is the greater in both.
+    pub(crate) fn agrees(&self, other: &Self) -> bool {
+        self.pairs
+            .iter()
+            .zip(&other.pairs)
+            .all(|([x, z, s, w], [ox, oz, os, ow])| (x > z) == (ox > oz) && (s > w) == (os > ow))
+    }
+
     /// The iterate plus `length` times the step.
     pub(crate) fn advance(&mut self, laws: &[BoxLaw], step: &Self, length: f64) {
         for (pair, step) in self.pairs.iter_mut().zip(&step.pairs) {

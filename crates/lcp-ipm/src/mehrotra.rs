@@ -1,6 +1,6 @@
 //! The infeasible predictor-corrector loop (Mehrotra 1992; Mattingley & Boyd 2012) on the box form.
 
-use tangency_lcp::Scratch;
+use tangency_lcp::{Mode, Scratch};
 
 use crate::iterate::Iterate;
 use crate::newton::Newton;
@@ -52,6 +52,8 @@ pub(crate) struct Loop<'a, S> {
     short: u32,
     /// Iterations done.
     pub(crate) iterations: u32,
+    /// Whether predictor and iterate agree on which member of each pair is the greater.
+    pub(crate) settled: bool,
 }
 
 impl<'a, S: System> Loop<'a, S> {
@@ -76,6 +78,7 @@ impl<'a, S: System> Loop<'a, S> {
             since_best: 0,
             short: 0,
             iterations: 0,
+            settled: false,
         };
         start.best = start.renew_residual();
         start
@@ -97,6 +100,16 @@ impl<'a, S: System> Loop<'a, S> {
         &self.at.y
     }
 
+    /// Modes of the iterate, per row of the problem.
+    pub(crate) fn list_modes(&self, modes: &mut Vec<Mode>) {
+        let (y, u) = (&self.at.y, &self.u);
+        modes.clear();
+        modes.resize(y.len(), Mode::Active);
+        for (slot, law) in self.system.laws().iter().enumerate() {
+            modes[self.system.row(slot)] = law.mode(slot, y, u);
+        }
+    }
+
     /// Unknowns of least residual.
     pub(crate) fn best_y(&self) -> &[f64] {
         &self.best_y
@@ -113,7 +126,9 @@ impl<'a, S: System> Loop<'a, S> {
         if !length.is_finite() || self.step.y.iter().any(|dy| !dy.is_finite()) {
             return false;
         }
+        self.predictor.add(&self.at);
         self.at.advance(self.system.laws(), &self.step, length);
+        self.settled = self.at.agrees(&self.predictor);
         self.iterations += 1;
         self.short = if length < 0.02 { self.short + 1 } else { 0 };
         let residual = self.renew_residual();

@@ -50,6 +50,10 @@ impl Default for InteriorPoint {
     }
 }
 
+/// Natural residual, of unknowns of about one, below which iterates are polished with all means.
+const NEAR_END: f64 = 0.1;
+/// Mode corrections of a polish before that.
+const GLANCE_FLIPS: u32 = 4;
 /// Contacts that part faster than this, relative to s*, are out of play.
 const NEAR: f64 = 1e-2;
 /// Sweeps after which rows count as in play or not.
@@ -263,23 +267,46 @@ impl Search<'_> {
     fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
         let before = self.stats.iterations;
         let mut path = Loop::new(system, pace, self.scratch);
-        let mut tried: Option<Vec<Mode>> = None;
+        let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
         let mut found = false;
         while !found && path.iterations < self.settings.max_iterations {
             let going = path.advance(self.scratch);
             self.stats.factorisations += 1;
             self.stats.iterations = before + path.iterations;
-            let y = if going { path.y() } else { path.best_y() };
-            found = (path.best < 0.1 || !going) && self.polish_at(path.system, y, &mut tried);
+            found = if path.best < NEAR_END || !going {
+                let y = if going { path.y() } else { path.best_y() };
+                self.polish_at(path.system, y, &mut tried)
+            } else {
+                path.settled && self.glance(&path, &mut glanced)
+            };
             if !going {
                 break;
             }
         }
         path.give(self.scratch);
+        self.scratch.modes.give(glanced);
         found
     }
 
-    /// Polishes the iterate if it shows modes that the last attempt did not.
+    /// A short polish of modes that the path shows early and did not show before.
+    fn glance<S: System>(&mut self, path: &Loop<S>, glanced: &mut Vec<Mode>) -> bool {
+        let (mut modes, mut impulses) = (self.scratch.modes.take(), self.scratch.floats.take());
+        path.list_modes(&mut modes);
+        let known = modes == *glanced;
+        if !known {
+            path.system.impulses(path.y(), &mut impulses);
+        }
+        let polish = Polish { max_flips: GLANCE_FLIPS, near_miss: 0.0, ..self.polish };
+        let found = !known && {
+            let candidate = polish.modes(&modes, Some(&impulses), self.scratch);
+            self.offer(candidate)
+        };
+        self.scratch.floats.give(impulses);
+        self.scratch.modes.give(std::mem::replace(glanced, modes));
+        found
+    }
+
+    /// Polishes an iterate near the end if it shows modes that the last attempt did not.
     fn polish_at<S: System>(
         &mut self,
         system: &S,

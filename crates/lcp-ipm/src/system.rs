@@ -11,6 +11,8 @@ pub(crate) trait System {
     fn laws(&self) -> &[BoxLaw];
     /// q.
     fn q(&self) -> &[f64];
+    /// Row of the problem of an unknown.
+    fn row(&self, slot: usize) -> usize;
     /// Impulses per row of the problem.
     fn impulses(&self, y: &[f64], impulses: &mut Vec<f64>);
     /// out = W y.
@@ -28,6 +30,10 @@ impl System for BodySystem<'_> {
 
     fn q(&self) -> &[f64] {
         &self.q
+    }
+
+    fn row(&self, slot: usize) -> usize {
+        slot
     }
 
     fn impulses(&self, y: &[f64], impulses: &mut Vec<f64>) {
@@ -69,6 +75,10 @@ impl System for RowSystem<'_> {
 
     fn q(&self) -> &[f64] {
         &self.form.q
+    }
+
+    fn row(&self, slot: usize) -> usize {
+        self.form.rows[slot] as usize
     }
 
     fn impulses(&self, y: &[f64], impulses: &mut Vec<f64>) {

@@ -9,7 +9,8 @@
 //!  box         u = w⁻ − w⁺,    s± = h ∓ y,    0 ≤ s± ⟂ w± ≥ 0,    h constant or μ y_n
 //! ```
 
-use crate::{BandMatrix, Delassus, Law, Lcp, Metric};
+use crate::modes::piece;
+use crate::{BandMatrix, Delassus, Law, Lcp, Metric, Mode};
 
 /// The law of one unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -66,6 +67,28 @@ impl BoxLaw {
             Self::Bounded { .. } | Self::Friction { .. } => {
                 let bound = self.bound(y).max(0.0);
                 y_i - (y_i - u_i).max(-bound).min(bound)
+            }
+        }
+    }
+
+    /// The mode that unknowns y and u = W y + q show for the one at `slot`: the natural map's piece.
+    /// A contact that is about to close counts with the impulse that would close it alone.
+    #[must_use]
+    pub fn mode(self, slot: usize, y: &[f64], u: &[f64]) -> Mode {
+        let ahead = y[slot] - u[slot];
+        match self {
+            Self::Free => Mode::Active,
+            Self::Positive => {
+                if ahead > 0.0 {
+                    Mode::Active
+                } else {
+                    Mode::Open
+                }
+            }
+            Self::Bounded { max } => piece(ahead, max),
+            Self::Friction { normal, .. } if y[normal] <= u[normal] => Mode::Open,
+            Self::Friction { normal, mu } => {
+                piece(ahead, mu * y[normal].max(y[normal] - u[normal]).max(0.0))
             }
         }
     }

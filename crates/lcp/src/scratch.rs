@@ -21,7 +21,8 @@ pub struct Scratch {
     pub(crate) laws: Pool<BoxLaw>,
     pub(crate) vectors: Pool<Vector3<f64>>,
     pub(crate) indices: Pool<u32>,
-    pub(crate) modes: Pool<Mode>,
+    /// Modes.
+    pub modes: Pool<Mode>,
     pub(crate) blocks: Pool<Block>,
     pub(crate) equations: Equations,
     pub(crate) spans: Vec<u32>,
