@@ -51,7 +51,7 @@ impl Default for InteriorPoint {
 }
 
 /// Natural residual, of unknowns of about one, below which iterates are polished with all means.
-const NEAR_END: f64 = 0.1;
+const NEAR_END: f64 = 0.01;
 /// Mode corrections of a polish before that.
 const GLANCE_FLIPS: u32 = 4;
 /// Contacts that part faster than this, relative to s*, are out of play.

@@ -18,11 +18,11 @@ use crate::equations::Equations;
 use crate::{BoxLaw, Law, Lcp, Metric, Scratch};
 
 /// δ: keeps equalities solvable when they depend on each other.
-const PROXIMAL: f64 = 1e-10;
+const PROXIMAL: f64 = 1e-8;
 /// With a weight 1/a above this, a solution is refined.
 const STIFF: f64 = 1e7;
 /// Defects relative to the right-hand side that are small enough.
-const EXACT: f64 = 1e-10;
+const EXACT: f64 = 1e-6;
 /// Corrections of a solution.
 const SWEEPS: usize = 3;
 
