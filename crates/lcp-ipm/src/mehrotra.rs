@@ -117,13 +117,11 @@ impl<'a, S: System> Loop<'a, S> {
 
     /// One iteration; false if the loop has nothing more to give.
     pub(crate) fn advance(&mut self, scratch: &mut Scratch) -> bool {
-        if !self.newton.factor(self.system, &self.at, scratch) {
-            return false;
-        }
-        self.direction();
+        self.newton.factor(self.system, &self.at, scratch);
+        let solved = self.direction();
         let length =
             self.pace.to_boundary * self.at.longest(&self.step, 1.0 / self.pace.to_boundary);
-        if !length.is_finite() || self.step.y.iter().any(|dy| !dy.is_finite()) {
+        if !solved || !length.is_finite() || self.step.y.iter().any(|dy| !dy.is_finite()) {
             return false;
         }
         self.predictor.add(&self.at);
@@ -155,11 +153,13 @@ impl<'a, S: System> Loop<'a, S> {
         worst
     }
 
-    /// Predictor, centring σ = (μ_aff/μ)³, corrector.
-    fn direction(&mut self) {
+    /// Predictor, centring σ = (μ_aff/μ)³, corrector; false if there is none.
+    fn direction(&mut self) -> bool {
         let Self { system, at, newton, predictor, step, .. } = self;
         let before = at.products();
-        newton.step(*system, (at, &self.u), 0.0, None, predictor);
+        if !newton.step(*system, (at, &self.u), 0.0, None, predictor) {
+            return false;
+        }
         let affine = at.longest(predictor, 1.0);
         let ratio = (at.products_after(predictor, affine) / before).clamp(0.0, 1.0);
         let mut centring = ratio.powi(3).max(self.pace.centring);
@@ -169,6 +169,6 @@ impl<'a, S: System> Loop<'a, S> {
         }
         let target = (centring * (before / self.pairs.max(1.0))).max(LEAST_PRODUCT);
         let second = (!jammed && self.pace.second_order).then_some(&*predictor);
-        newton.step(*system, (at, &self.u), target, second, step);
+        newton.step(*system, (at, &self.u), target, second, step)
     }
 }

@@ -47,13 +47,13 @@ impl Newton {
         }
     }
 
-    /// Factors the matrix at an iterate; false if that failed.
+    /// Factors the matrix at an iterate.
     pub(crate) fn factor<S: System>(
         &mut self,
         system: &mut S,
         at: &Iterate,
         scratch: &mut Scratch,
-    ) -> bool {
+    ) {
         for (slot, law) in system.laws().iter().enumerate() {
             let [x, z, s, w] = at.pairs[slot];
             let (x, s) = (x.recip(), s.recip());
@@ -65,10 +65,11 @@ impl Newton {
                 _ => 0.0,
             };
         }
-        system.factor(&self.diagonal, &self.coupling, scratch)
+        system.factor(&self.diagonal, &self.coupling, scratch);
     }
 
-    /// The step towards products `target`, with the second-order terms of `predictor` if given.
+    /// The step towards products `target`, with the second-order terms of `predictor` if given; false
+    /// if the equations could not be solved.
     pub(crate) fn step<S: System>(
         &mut self,
         system: &mut S,
@@ -76,7 +77,7 @@ impl Newton {
         target: f64,
         predictor: Option<&Iterate>,
         step: &mut Iterate,
-    ) {
+    ) -> bool {
         self.ask(target, predictor, &mut step.pairs);
         for (slot, law) in system.laws().iter().enumerate() {
             let [_, plus, _, minus] = self.quotients[slot];
@@ -90,8 +91,9 @@ impl Newton {
                 }
             };
         }
-        system.solve(&self.rhs, &mut step.y);
+        let solved = system.solve(&self.rhs, &mut step.y);
         self.complete(system.laws(), at, step);
+        solved
     }
 
     /// Puts (t − o)/x in the place of Δz.

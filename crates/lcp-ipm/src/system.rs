@@ -17,10 +17,10 @@ pub(crate) trait System {
     fn impulses(&self, y: &[f64], impulses: &mut Vec<f64>);
     /// out = W y.
     fn times(&mut self, y: &[f64], out: &mut [f64]);
-    /// Factors W + D; false if the factors are not to be trusted.
-    fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) -> bool;
-    /// Solves (W + D) y = r, refined.
-    fn solve(&mut self, r: &[f64], y: &mut [f64]);
+    /// Factors W + D.
+    fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch);
+    /// Solves (W + D) y = r, refined; false if that failed.
+    fn solve(&mut self, r: &[f64], y: &mut [f64]) -> bool;
 }
 
 impl System for BodySystem<'_> {
@@ -44,12 +44,12 @@ impl System for BodySystem<'_> {
         BodySystem::times(self, y, out);
     }
 
-    fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) -> bool {
-        BodySystem::factor(self, d, e, scratch)
+    fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) {
+        BodySystem::factor(self, d, e, scratch);
     }
 
-    fn solve(&mut self, r: &[f64], y: &mut [f64]) {
-        BodySystem::solve(self, r, y);
+    fn solve(&mut self, r: &[f64], y: &mut [f64]) -> bool {
+        BodySystem::solve(self, r, y)
     }
 }
 
@@ -89,7 +89,7 @@ impl System for RowSystem<'_> {
         out.copy_from_slice(&self.form.matrix.times(y));
     }
 
-    fn factor(&mut self, d: &[f64], e: &[f64], _: &mut Scratch) -> bool {
+    fn factor(&mut self, d: &[f64], e: &[f64], _: &mut Scratch) {
         self.matrix.clone_from(&self.form.matrix);
         for (slot, law) in self.form.laws.iter().enumerate() {
             self.matrix.add(slot, slot, d[slot]);
@@ -106,12 +106,11 @@ impl System for RowSystem<'_> {
             scaled.add(slot, slot, if *law == BoxLaw::Free { PROXIMAL } else { 1e-15 });
         }
         self.factor = Some(Lu::new(scaled, 1e-15));
-        true
     }
 
     /// Two refinements against the matrix without δ.
-    fn solve(&mut self, rhs: &[f64], y: &mut [f64]) {
-        let Some(factor) = &self.factor else { return };
+    fn solve(&mut self, rhs: &[f64], y: &mut [f64]) -> bool {
+        let Some(factor) = &self.factor else { return false };
         y.fill(0.0);
         let mut r = rhs.to_vec();
         for sweep in 0..3 {
@@ -123,5 +122,6 @@ impl System for RowSystem<'_> {
             factor.solve(&mut r);
             y.iter_mut().zip(&r).zip(&self.scale).for_each(|((y, r), s)| *y += r * s);
         }
+        true
     }
 }

@@ -23,6 +23,8 @@ const PROXIMAL: f64 = 1e-8;
 const STIFF: f64 = 1e7;
 /// Defects relative to the right-hand side that are small enough.
 const EXACT: f64 = 1e-6;
+/// With defects above this it is no solution.
+const WRONG: f64 = 0.1;
 /// Corrections of a solution.
 const SWEEPS: usize = 3;
 
@@ -130,8 +132,7 @@ impl<'a> BodySystem<'a> {
     }
 
     /// Factors K for d and e, one each per unknown: Dᵢᵢ = dᵢ, and eᵢ couples friction to its normal.
-    /// False if a pivot cannot be trusted.
-    pub fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) -> bool {
+    pub fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) {
         self.diagonal.copy_from_slice(d);
         self.coupling.copy_from_slice(e);
         self.factor.clear();
@@ -157,29 +158,33 @@ impl<'a> BodySystem<'a> {
             self.factor.add_product(row.bodies, self.blocks[slot], &left, &right);
         }
         self.factor.factor(scratch);
-        self.factor.count_free(&self.equations.mass)
+        // Where sliding spoils a pivot, refinement tells what the solution is worth.
+        self.stiff |= !self.factor.count_free(&self.equations.mass);
     }
 
     /// y with (Ŵ + D) y = `rhs`; refined against the matrix without δ where that may matter.
-    pub fn solve(&mut self, rhs: &[f64], y: &mut [f64]) {
+    /// False if it is not a solution.
+    pub fn solve(&mut self, rhs: &[f64], y: &mut [f64]) -> bool {
         y.copy_from_slice(rhs);
         self.condensed(y);
         if !self.stiff {
-            return;
+            return true;
         }
         let size = rhs.iter().fold(0.0_f64, |size, r| size.max(r.abs()));
         let mut defect = std::mem::take(&mut self.defect);
-        let mut before = f64::INFINITY;
+        let mut least = f64::INFINITY;
         for _ in 0..SWEEPS {
             let worst = self.remainder(rhs, y, &mut defect);
-            if worst <= EXACT * size || worst > 0.5 * before {
+            if worst <= EXACT * size || worst > 0.5 * least {
+                least = least.min(worst);
                 break;
             }
-            before = worst;
+            least = worst;
             self.condensed(&mut defect);
             y.iter_mut().zip(&defect).for_each(|(y, dy)| *y += dy);
         }
         self.defect = defect;
+        least <= WRONG * size
     }
 
     /// r = rhs − (Ŵ + D) y; its greatest entry.
