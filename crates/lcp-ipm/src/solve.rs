@@ -13,8 +13,8 @@ use crate::system::{RowSystem, System};
 /// Interior-point solver with active-set polish.
 ///
 /// Stages, each tried only if the one before left a residual above `tolerance`: the guess through the
-/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully,
-/// polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
+/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully, with
+/// the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
 /// contradicting rows, and the last resorts: a walk along the active sets from projected Gauss–Seidel's
 /// iterate; Lemke's method on the rows in play and on all, for problems of moderate size; the
 /// interior point with a more patient polish; all modes of the few rows that are most in doubt. A
@@ -54,6 +54,8 @@ impl Default for InteriorPoint {
 const NEAR_END: f64 = 0.01;
 /// Mode corrections of a polish before that.
 const GLANCE_FLIPS: u32 = 4;
+/// Above this number of rows, their own matrix is not formed.
+const MOST_ROWS: usize = 2000;
 /// Contacts that part faster than this, relative to s*, are out of play.
 const NEAR: f64 = 1e-2;
 /// Sweeps after which rows count as in play or not.
@@ -105,33 +107,41 @@ impl Search<'_> {
         if self.by_bodies() || self.is_accepted() {
             return self.finish();
         }
-        let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
-        if self.by_rows(&form, BOLD) || self.by_rows(&form, CAREFUL) || self.is_accepted() {
+        let Polish { problem, metric, .. } = self.polish;
+        let form = (problem.rows.len() <= MOST_ROWS).then(|| BoxForm::of_rows(problem, metric));
+        let found = form.as_ref().is_some_and(|form| {
+            self.by_rows(form, BOLD) || self.by_rows(form, CAREFUL) || self.is_accepted()
+        });
+        if found {
             return self.finish();
         }
         if let Some(residual) = self.conflict() {
             return Err(LcpError::Infeasible { residual });
         }
-        let _ = self.last_resorts(&form);
+        let _ = self.last_resorts(form.as_ref());
         self.finish()
     }
 
     /// Ends with the first stage that leaves an acceptable residual.
-    fn last_resorts(&mut self, form: &BoxForm) -> bool {
+    fn last_resorts(&mut self, form: Option<&BoxForm>) -> bool {
         let usual = self.polish;
         if self.walk() || self.is_accepted() {
             return true;
         }
-        self.polish = Polish { max_flips: 5 * usual.max_flips, near_miss: 1.0, ..usual };
+        let found = form.is_some_and(|form| self.patient(form));
+        self.polish = usual;
+        found || self.enumerated()
+    }
+
+    /// Pivoting and the interior point by rows, with a more patient polish.
+    fn patient(&mut self, form: &BoxForm) -> bool {
+        self.polish.max_flips *= 5;
+        self.polish.near_miss = 1.0;
         if self.pivoting(form) || self.is_accepted() {
             return true;
         }
         self.stats.method = Method::InteriorPoint;
-        if self.by_rows(form, CAREFUL) || self.is_accepted() {
-            return true;
-        }
-        self.polish = usual;
-        self.enumerated()
+        self.by_rows(form, CAREFUL) || self.is_accepted()
     }
 
     fn is_accepted(&self) -> bool {
