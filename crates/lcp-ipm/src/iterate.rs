@@ -45,18 +45,21 @@ impl Iterate {
     /// The same after `length` times the step.
     pub(crate) fn products_after(&self, step: &Self, length: f64) -> f64 {
         self.pairs.iter().zip(&step.pairs).fold(0.0, |sum, (pair, step)| {
-            let [x, z, s, w] = [0, 1, 2, 3].map(|k| pair[k] + length * step[k]);
-            sum + x * z + s * w
+            let at = |k: usize| pair[k] + length * step[k];
+            sum + at(0) * at(1) + at(2) * at(3)
         })
     }
 
     /// The longest step up to `limit` that keeps every pair positive.
     pub(crate) fn longest(&self, step: &Self, limit: f64) -> f64 {
         // 0/0 of what is not in use is NaN, which `max` passes over.
-        let steepest = self.pairs.iter().zip(&step.pairs).fold([0.0_f64; 4], |most, (pair, d)| {
-            [0, 1, 2, 3].map(|k| most[k].max(-d[k] / pair[k]))
-        });
-        let steepest = steepest.into_iter().fold(0.0, f64::max);
+        let mut most = [0.0_f64; 4];
+        for (pair, step) in self.pairs.iter().zip(&step.pairs) {
+            for k in 0..4 {
+                most[k] = most[k].max(-step[k] / pair[k]);
+            }
+        }
+        let steepest = most.into_iter().fold(0.0, f64::max);
         if steepest * limit > 1.0 { steepest.recip() } else { limit }
     }
 

@@ -12,7 +12,7 @@
 //! where u = W y + q and r± = h ∓ y − s±. Only the coupling of friction to its normal makes the
 //! matrix non-symmetric.
 
-use tangency_lcp::{BoxLaw, Scratch};
+use tangency_lcp::{Added, BoxLaw, Scratch};
 
 use crate::iterate::Iterate;
 use crate::system::System;
@@ -65,7 +65,7 @@ impl Newton {
                 _ => 0.0,
             };
         }
-        system.factor(&self.diagonal, &self.coupling, scratch);
+        system.factor(self.added(), scratch);
     }
 
     /// The step towards products `target`, with the second-order terms of `predictor` if given; false
@@ -91,9 +91,13 @@ impl Newton {
                 }
             };
         }
-        let solved = system.solve(&self.rhs, &mut step.y);
+        let solved = system.solve(self.added(), &self.rhs, &mut step.y);
         self.complete(system.laws(), at, step);
         solved
+    }
+
+    fn added(&self) -> Added<'_> {
+        Added { d: &self.diagonal, e: &self.coupling }
     }
 
     /// Puts (t − o)/x in the place of Δz.

@@ -1,11 +1,11 @@
 //! The matrix W + D of Newton's equations, by bodies or by rows.
 
-use tangency_lcp::{BandMatrix, BodySystem, BoxForm, BoxLaw, Lu, Scratch};
+use tangency_lcp::{Added, BandMatrix, BodySystem, BoxForm, BoxLaw, Lu, Scratch};
 
 /// δ: keeps equalities solvable when they depend on each other.
 const PROXIMAL: f64 = 1e-10;
 
-/// Box unknowns, and solutions of (W + D) y = r. Dᵢᵢ = dᵢ, and eᵢ couples friction to its normal.
+/// Box unknowns, and solutions of (W + D) y = r.
 pub(crate) trait System {
     /// Laws of the unknowns.
     fn laws(&self) -> &[BoxLaw];
@@ -18,9 +18,9 @@ pub(crate) trait System {
     /// out = W y.
     fn times(&mut self, y: &[f64], out: &mut [f64]);
     /// Factors W + D.
-    fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch);
+    fn factor(&mut self, added: Added, scratch: &mut Scratch);
     /// Solves (W + D) y = r, refined; false if that failed.
-    fn solve(&mut self, r: &[f64], y: &mut [f64]) -> bool;
+    fn solve(&mut self, added: Added, r: &[f64], y: &mut [f64]) -> bool;
 }
 
 impl System for BodySystem<'_> {
@@ -44,12 +44,12 @@ impl System for BodySystem<'_> {
         BodySystem::times(self, y, out);
     }
 
-    fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) {
-        BodySystem::factor(self, d, e, scratch);
+    fn factor(&mut self, added: Added, scratch: &mut Scratch) {
+        BodySystem::factor(self, added, scratch);
     }
 
-    fn solve(&mut self, r: &[f64], y: &mut [f64]) -> bool {
-        BodySystem::solve(self, r, y)
+    fn solve(&mut self, added: Added, r: &[f64], y: &mut [f64]) -> bool {
+        BodySystem::solve(self, added, r, y)
     }
 }
 
@@ -89,7 +89,7 @@ impl System for RowSystem<'_> {
         out.copy_from_slice(&self.form.matrix.times(y));
     }
 
-    fn factor(&mut self, d: &[f64], e: &[f64], _: &mut Scratch) {
+    fn factor(&mut self, Added { d, e }: Added, _: &mut Scratch) {
         self.matrix.clone_from(&self.form.matrix);
         for (slot, law) in self.form.laws.iter().enumerate() {
             self.matrix.add(slot, slot, d[slot]);
@@ -109,7 +109,7 @@ impl System for RowSystem<'_> {
     }
 
     /// Two refinements against the matrix without δ.
-    fn solve(&mut self, rhs: &[f64], y: &mut [f64]) -> bool {
+    fn solve(&mut self, _: Added, rhs: &[f64], y: &mut [f64]) -> bool {
         let Some(factor) = &self.factor else { return false };
         y.fill(0.0);
         let mut r = rhs.to_vec();

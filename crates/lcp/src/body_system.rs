@@ -28,6 +28,15 @@ const WRONG: f64 = 0.1;
 /// Corrections of a solution.
 const SWEEPS: usize = 3;
 
+/// What is added to Ŵ, one entry each per unknown.
+#[derive(Clone, Copy, Debug)]
+pub struct Added<'a> {
+    /// Dᵢᵢ, positive except for free unknowns.
+    pub d: &'a [f64],
+    /// D_tn, which couples friction to its normal; 0 for others.
+    pub e: &'a [f64],
+}
+
 /// All rows of a problem as box unknowns, scaled as in [`BoxForm`](crate::BoxForm), in the order of the
 /// problem. Ŵ is never formed: products and solutions go through the bodies.
 #[derive(Debug)]
@@ -43,9 +52,6 @@ pub struct BodySystem<'a> {
     factor: BlockFactor,
     /// Block of the two bodies of a row.
     blocks: Vec<u32>,
-    /// d, e.
-    diagonal: Vec<f64>,
-    coupling: Vec<f64>,
     /// 1/a.
     weights: Vec<f64>,
     stiff: bool,
@@ -85,8 +91,6 @@ impl<'a> BodySystem<'a> {
             scale,
             factor: BlockFactor::zeros(&pattern, coupled, scratch),
             blocks,
-            diagonal: scratch.floats.filled(count, 0.0),
-            coupling: scratch.floats.filled(count, 0.0),
             weights: scratch.floats.filled(count, 0.0),
             stiff: false,
             x,
@@ -98,8 +102,7 @@ impl<'a> BodySystem<'a> {
 
     /// Gives its memory back.
     pub fn give(self, scratch: &mut Scratch) {
-        for floats in [self.q, self.diagonal, self.coupling, self.weights, self.along, self.defect]
-        {
+        for floats in [self.q, self.weights, self.along, self.defect] {
             scratch.floats.give(floats);
         }
         scratch.vectors.give(self.x);
@@ -131,10 +134,8 @@ impl<'a> BodySystem<'a> {
         }
     }
 
-    /// Factors K for d and e, one each per unknown: Dᵢᵢ = dᵢ, and eᵢ couples friction to its normal.
-    pub fn factor(&mut self, d: &[f64], e: &[f64], scratch: &mut Scratch) {
-        self.diagonal.copy_from_slice(d);
-        self.coupling.copy_from_slice(e);
+    /// Factors K for an added matrix D.
+    pub fn factor(&mut self, Added { d, e }: Added, scratch: &mut Scratch) {
         self.factor.clear();
         self.factor.add_masses(&self.equations.mass);
         self.stiff = false;
@@ -154,7 +155,7 @@ impl<'a> BodySystem<'a> {
             let weight = a.recip();
             self.weights[slot] = weight;
             self.stiff |= weight > STIFF;
-            let left = row.jacobian.map(|J| J * weight);
+            let left = [row.jacobian[0] * weight, row.jacobian[1] * weight];
             self.factor.add_product(row.bodies, self.blocks[slot], &left, &right);
         }
         self.factor.factor(scratch);
@@ -162,11 +163,11 @@ impl<'a> BodySystem<'a> {
         self.stiff |= !self.factor.count_free(&self.equations.mass);
     }
 
-    /// y with (Ŵ + D) y = `rhs`; refined against the matrix without δ where that may matter.
+    /// y with (Ŵ + D) y = `rhs` for the same D; refined against the matrix without δ where that may matter.
     /// False if it is not a solution.
-    pub fn solve(&mut self, rhs: &[f64], y: &mut [f64]) -> bool {
+    pub fn solve(&mut self, Added { d, e }: Added, rhs: &[f64], y: &mut [f64]) -> bool {
         y.copy_from_slice(rhs);
-        self.condensed(y);
+        self.condensed(e, y);
         if !self.stiff {
             return true;
         }
@@ -174,13 +175,13 @@ impl<'a> BodySystem<'a> {
         let mut defect = std::mem::take(&mut self.defect);
         let mut least = f64::INFINITY;
         for _ in 0..SWEEPS {
-            let worst = self.remainder(rhs, y, &mut defect);
+            let worst = self.remainder(Added { d, e }, rhs, y, &mut defect);
             if worst <= EXACT * size || worst > 0.5 * least {
                 least = least.min(worst);
                 break;
             }
             least = worst;
-            self.condensed(&mut defect);
+            self.condensed(e, &mut defect);
             y.iter_mut().zip(&defect).for_each(|(y, dy)| *y += dy);
         }
         self.defect = defect;
@@ -188,13 +189,13 @@ impl<'a> BodySystem<'a> {
     }
 
     /// r = rhs − (Ŵ + D) y; its greatest entry.
-    fn remainder(&mut self, rhs: &[f64], y: &[f64], r: &mut [f64]) -> f64 {
+    fn remainder(&mut self, Added { d, e }: Added, rhs: &[f64], y: &[f64], r: &mut [f64]) -> f64 {
         self.times(y, r);
         let mut worst = 0.0_f64;
         for slot in 0..y.len() {
-            let mut own = self.diagonal[slot] * y[slot];
+            let mut own = d[slot] * y[slot];
             if let BoxLaw::Friction { normal, .. } = self.laws[slot] {
-                own += self.coupling[slot] * y[normal];
+                own += e[slot] * y[normal];
             }
             r[slot] = rhs[slot] - own - r[slot];
             worst = worst.max(r[slot].abs());
@@ -203,26 +204,26 @@ impl<'a> BodySystem<'a> {
     }
 
     /// r ← G (r − B̂ K⁻¹ B̂ᵀ G r).
-    fn condensed(&mut self, r: &mut [f64]) {
+    fn condensed(&mut self, e: &[f64], r: &mut [f64]) {
         let rows = &self.equations.rows;
         let bodies = self.equations.mass.len();
         self.x.fill(Vector3::zeros());
         for (slot, row) in rows.iter().enumerate() {
-            let y = self.weigh(slot, r[slot], &self.along);
+            let y = self.weigh(slot, r[slot], e, &self.along);
             self.along[slot] = y;
             row.add_transposed(y, &mut self.x);
         }
         self.factor.solve(false, &mut self.x[..bodies], &mut self.ordered);
         for (slot, row) in rows.iter().enumerate() {
             let left = r[slot] - row.velocity(&self.x);
-            r[slot] = self.weigh(slot, left, r);
+            r[slot] = self.weigh(slot, left, e, r);
         }
     }
 
     /// One entry of G r, given those before it.
-    fn weigh(&self, slot: usize, r: f64, before: &[f64]) -> f64 {
+    fn weigh(&self, slot: usize, r: f64, e: &[f64], before: &[f64]) -> f64 {
         let taken = match self.laws[slot] {
-            BoxLaw::Friction { normal, .. } => self.coupling[slot] * before[normal],
+            BoxLaw::Friction { normal, .. } => e[slot] * before[normal],
             _ => 0.0,
         };
         (r - taken) * self.weights[slot]

@@ -44,7 +44,7 @@ mod walk;
 
 pub use active_system::{ActiveSystem, Fold, Reduced};
 pub use band::{BandMatrix, Lu};
-pub use body_system::BodySystem;
+pub use body_system::{Added, BodySystem};
 pub use box_form::{BoxForm, BoxLaw};
 pub use cholesky::Cholesky;
 pub use delassus::Delassus;
