@@ -65,6 +65,20 @@ pub fn solvers() -> Vec<Box<dyn LcpSolver>> {
     ]
 }
 
+/// [`solvers`] that stop at a natural residual of `tolerance` and refuse one above it, or above 1e-10
+/// where that is more: for comparing what accuracy costs.
+#[cfg(any(feature = "ipm", feature = "clarabel"))]
+#[must_use]
+pub fn solvers_at(tolerance: f64) -> Vec<Box<dyn LcpSolver>> {
+    let acceptance = tolerance.max(1e-10);
+    vec![
+        #[cfg(feature = "ipm")]
+        Box::new(tangency_lcp_ipm::InteriorPoint { tolerance, acceptance, ..Default::default() }),
+        #[cfg(feature = "clarabel")]
+        Box::new(tangency_lcp_clarabel::Clarabel { tolerance, acceptance, ..Default::default() }),
+    ]
+}
+
 /// [`solvers`], and those for small problems only: every backend, in the order of [`BACKENDS`].
 #[must_use]
 pub fn all_solvers() -> Vec<Box<dyn LcpSolver>> {

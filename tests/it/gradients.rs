@@ -112,7 +112,8 @@ fn defect(run: &Run<'_>, by: &RolloutVector, input: Input, scale: f64) -> Option
         Some(format!("{input:?}: the difference crosses a switch"))
     } else if off > 1e-7 || off.is_nan() {
         Some(format!("{input:?}: reverse {reverse}, difference {found:?}, off by {off:e}"))
-    } else if apart > 1e-11 || apart.is_nan() {
+    } else if apart > 1e-10 || apart.is_nan() {
+        // Hinges 10⁻⁸ of a length apart amplify rounding by 10⁸, the others by far less.
         Some(format!("{input:?}: forward {forward}, reverse {reverse}, off by {apart:e}"))
     } else {
         None

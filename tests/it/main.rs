@@ -22,6 +22,7 @@ mod joints;
 mod modelling;
 mod motors;
 mod random_scenes;
+mod reach;
 mod records;
 mod refusals;
 mod regressions;

@@ -13,6 +13,13 @@ fn named() -> Vec<(String, SceneDef)> {
         ("sliding block".into(), scenes::sliding_box(1.0, 0.3, 3.0)),
         ("soft bridge, 10 planks".into(), scenes::soft_bridge(10)),
     ];
+    let race = [
+        scenes::race_bounce(),
+        scenes::race_stack(10),
+        scenes::race_chain(10),
+        scenes::race_cartpole(),
+    ];
+    list.extend(race.into_iter().map(|def| (format!("race: {}", def.name), def)));
     for n in [1, 10, 40] {
         list.push((format!("chain of {n}"), scenes::chain(n, 0.2, 0.1)));
         list.push((format!("stack of {n}"), scenes::stack(&vec![1.0; n])));
@@ -27,9 +34,10 @@ fn step_time(criterion: &mut Criterion) {
     for (name, def) in named() {
         let scene = Scene::new(&def).expect("a valid scene");
         let state = simulate(&scene, &*solver, 10).expect("ten steps").last().clone();
+        let control = vec![0.0; scene.controls().len()];
         let mut scratch = StepScratch::default();
         group.bench_function(name, |bencher| {
-            bencher.iter(|| step(&scene, &*solver, black_box(&state), &[], &mut scratch));
+            bencher.iter(|| step(&scene, &*solver, black_box(&state), &control, &mut scratch));
         });
     }
 }

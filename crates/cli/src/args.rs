@@ -2,7 +2,7 @@
 
 use clap::{Parser, Subcommand};
 
-use crate::{Console, Failure, experiment, fit, gradient, inspect, lcp, simulate, validate};
+use crate::{Console, Failure, bench, experiment, fit, gradient, inspect, lcp, simulate, validate};
 
 /// Differentiable planar physics from the shell.
 #[derive(Debug, Parser)]
@@ -36,6 +36,8 @@ pub enum Command {
     Lcp(lcp::Arguments),
     /// Measure physics with known answers; write the table of all figures
     Validate(validate::Arguments),
+    /// Time against error, beside other engines; write tables, figures and a page
+    Bench(bench::Arguments),
     /// The paper's experiments and ours, with figures and tables under out/
     #[command(subcommand)]
     Experiment(experiment::Experiment),
@@ -54,6 +56,7 @@ impl Command {
             Self::Fit(arguments) => fit::run(arguments, console),
             Self::Lcp(arguments) => lcp::run(arguments, console),
             Self::Validate(arguments) => validate::run(arguments, console),
+            Self::Bench(arguments) => bench::run(arguments, console),
             Self::Experiment(experiment) => experiment.run(console),
         }
     }

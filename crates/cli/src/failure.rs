@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use tangency::diff::{DiffError, ParameterError};
 use tangency::{SceneError, SceneFileError, StepError};
+use tangency_bench::engine::Refusal;
 
 use crate::formula::FormulaError;
 use crate::lcp::LcpFileError;
@@ -45,6 +46,14 @@ pub enum Failure {
         name: String,
         /// The names there are.
         known: String,
+    },
+    /// A part of the benchmark that our own engine could not run.
+    #[error("the part `{part}` of the benchmark was refused")]
+    Bench {
+        /// The part.
+        part: &'static str,
+        /// Why.
+        source: Refusal,
     },
     /// Figures outside their tolerances.
     #[error("{failed} figures are outside their tolerance; the table names them")]
@@ -186,6 +195,7 @@ impl Failure {
             | Self::Overlap { .. } => ExitCode::from(2),
             Self::Write { .. }
             | Self::Step { .. }
+            | Self::Bench { .. }
             | Self::Invalid { .. }
             | Self::Unsolved { .. }
             | Self::State(_)

@@ -29,6 +29,12 @@ impl Grid {
         self.rows.push(cells.into_iter().collect());
     }
 
+    /// All rows, the heading first.
+    #[must_use]
+    pub fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     /// Writes it as CSV.
     ///
     /// # Errors

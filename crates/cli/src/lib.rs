@@ -14,6 +14,7 @@
 //! [`args::Command`] and a line in [`args::Command::run`].
 
 pub mod args;
+pub mod bench;
 pub mod experiment;
 pub mod fit;
 pub mod gradient;

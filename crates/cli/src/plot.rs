@@ -29,6 +29,8 @@ pub const INK: RGBColor = RGBColor(40, 44, 52);
 pub const GREY: RGBColor = RGBColor(110, 116, 126);
 const GRID: RGBColor = RGBColor(226, 229, 234);
 const FONT: &str = "sans-serif";
+/// A logarithmic axis shorter than this gets ticks within its decades.
+const FEW_DECADES: f64 = 2.0;
 /// Pixels of the PNG per unit of the SVG.
 const PNG_SCALE: f64 = 2.0;
 
@@ -115,6 +117,9 @@ impl Axis {
         if let Some(ticks) = &self.ticks {
             return ticks.iter().filter_map(|tick| self.place(*tick)).collect();
         }
+        if self.log && high - low < FEW_DECADES {
+            return Self::ticks_within_decades((low, high));
+        }
         let step = if self.log {
             ((high - low) / 8.0).ceil().max(1.0)
         } else {
@@ -134,14 +139,34 @@ impl Axis {
         ticks
     }
 
+    /// 1, 2 and 5 times powers of ten; all digits within less than a decade.
+    fn ticks_within_decades((low, high): (f64, f64)) -> Vec<f64> {
+        let (mut ticks, mut decade) = (Vec::new(), low.floor());
+        while decade <= high {
+            let factors: &[f64] = if high - low < 0.7 {
+                &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]
+            } else {
+                &[1.0, 2.0, 5.0]
+            };
+            ticks.extend(factors.iter().map(|factor| decade + factor.log10()));
+            decade += 1.0;
+        }
+        ticks.retain(|place| (low..=high).contains(place));
+        ticks
+    }
+
     fn tick_label(&self, place: f64) -> String {
         if !self.log {
             let rounded = (place * 1e9).round() / 1e9;
             return minus(&format!("{}", if rounded == 0.0 { 0.0 } else { rounded }));
         }
         let number = 10.0_f64.powf(place);
-        if self.ticks.is_some() || (place.abs() < 3.5 && place.fract() == 0.0) {
+        if self.ticks.is_some() || place.abs() < 3.5 {
             return format!("{}", (number * 1e6).round() / 1e6);
+        }
+        let (decade, factor) = (place.floor(), 10.0_f64.powf(place - place.floor()).round());
+        if factor > 1.0 && factor < 10.0 {
+            return format!("{factor}·10{}", superscript(&format!("{decade:.0}")));
         }
         format!("10{}", superscript(&format!("{place:.0}")))
     }

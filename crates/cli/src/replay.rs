@@ -23,7 +23,7 @@ pub fn replay_html(title: &str, scene: &Scene, runs: &[Run]) -> String {
     TEMPLATE.replace("@TITLE@", &escape_html(title)).replace("@DATA@", &data.replace("</", "<\\/"))
 }
 
-fn escape_html(text: &str) -> String {
+pub(crate) fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 

@@ -1,65 +1,164 @@
 //! Broad phase: which bodies are near each other at all.
 
-use parry2d_f64::bounding_volume::Aabb;
-use parry2d_f64::math::Vector;
-use parry2d_f64::partitioning::{Bvh, BvhBuildStrategy};
+use crate::{bounds::Bounds, settled::Settled, sweep::Sweep, world::World};
 
-use crate::world::Bounds;
+/// Up to this many bodies, looking at all pairs costs less than sorting.
+const FEW: usize = 16;
 
-/// Up to this many boxes, looking at all pairs costs less than building a tree.
-const FEW: usize = 32;
-
-/// Pairs i < j of boxes within `reach` of each other, in ascending order.
-///
-/// Parry's bounding volume hierarchy over the bounded boxes; a half-plane is near everything. (Here
-/// alone parry's vector type meets ours.)
-pub(crate) fn pairs(boxes: &[Bounds], reach: f64) -> Vec<(usize, usize)> {
-    let near = |&(i, j): &(usize, usize)| boxes[i].near(&boxes[j], reach);
-    if boxes.len() <= FEW {
-        let all = (0..boxes.len()).flat_map(|i| (i + 1..boxes.len()).map(move |j| (i, j)));
-        return all.filter(near).collect();
-    }
-    let (bounded, unbounded): (Vec<usize>, Vec<usize>) =
-        (0..boxes.len()).partition(|i| boxes[*i].is_finite());
-    let leaves: Vec<Aabb> = bounded.iter().map(|i| aabb(&boxes[*i], 0.0)).collect();
-    let tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
-    let mut pairs = Vec::new();
-    for &i in &bounded {
-        let grown = aabb(&boxes[i], reach);
-        let others = tree.intersect_aabb(&grown).map(|leaf| bounded[leaf as usize]);
-        pairs.extend(others.filter(|j| i < *j).map(|j| (i, j)));
-        pairs.extend(unbounded.iter().map(|j| (i.min(*j), i.max(*j))));
-    }
-    pairs.retain(near);
-    pairs.sort_unstable();
-    pairs
+/// Two bodies that may be within reach of each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near {
+    /// Their indices, the lower one first.
+    pub bodies: [u32; 2],
+    /// A lower bound of their distance, m; negative or −∞ where it says nothing.
+    pub apart: f64,
 }
 
-fn aabb(bounds: &Bounds, by: f64) -> Aabb {
-    let (min, max) = (bounds.min.add_scalar(-by), bounds.max.add_scalar(by));
-    Aabb::new(Vector::new(min.x, min.y), Vector::new(max.x, max.y))
+/// Memory of the broad phase.
+#[derive(Debug, Default)]
+pub(crate) struct BroadPhase {
+    settled: Settled,
+    sweep: Sweep,
+    /// The bodies that are swept, and their boxes.
+    swept: Vec<u32>,
+    boxes: Vec<Bounds>,
+    unbounded: Vec<u32>,
+}
+
+impl BroadPhase {
+    /// Follows a placement of the bodies. Of two `fixed` ones nothing is found.
+    pub(crate) fn update(&mut self, world: &World, fixed: &[bool]) {
+        if world.len() <= FEW {
+            return;
+        }
+        self.settled.update(world, fixed);
+        self.swept.clear();
+        self.unbounded.clear();
+        for i in 0..world.len() {
+            if world.is_unbounded(i) {
+                self.unbounded.push(number(i));
+            } else if !self.settled.contains(i) && !world.is_empty(i) {
+                self.swept.push(number(i));
+            }
+        }
+    }
+
+    /// Pairs of bodies no further apart than the greater of their reaches (m), in ascending order.
+    pub(crate) fn pairs(
+        &mut self,
+        world: &World,
+        fixed: &[bool],
+        reach: &[f64],
+        pairs: &mut Vec<Near>,
+    ) {
+        pairs.clear();
+        let bounds = world.bounds();
+        let mut add = |i: usize, j: usize| {
+            let within = if reach[i] > reach[j] { reach[i] } else { reach[j] };
+            if (fixed[i] && fixed[j]) || !bounds[i].near(&bounds[j], within) {
+                return;
+            }
+            let apart = world.apart(i, j);
+            if apart <= within {
+                pairs.push(Near { bodies: [number(i), number(j)], apart });
+            }
+        };
+        if world.len() <= FEW {
+            for i in 0..world.len() {
+                (i + 1..world.len()).for_each(|j| add(i, j));
+            }
+            return;
+        }
+        let Self { settled, sweep, swept, boxes, unbounded } = self;
+        boxes.clear();
+        boxes.extend(
+            swept.iter().map(|i| world.bounds()[*i as usize].grown(reach[*i as usize].max(0.0))),
+        );
+        sweep.overlaps(boxes, |k, l| add(swept[k] as usize, swept[l] as usize));
+        // How far a settled body can be found from: its own reach counts, too.
+        let own = settled.members().iter().map(|i| reach[*i as usize]).fold(0.0, f64::max);
+        let mut add_ordered = |i: usize, j: usize| add(i.min(j), i.max(j));
+        for i in swept.iter().map(|i| *i as usize).filter(|i| !fixed[*i]) {
+            settled.near(&world.bounds()[i], own.max(reach[i]), |j| add_ordered(i, j));
+        }
+        for (k, plane) in unbounded.iter().enumerate() {
+            let others = swept.iter().chain(&unbounded[k + 1..]);
+            others.for_each(|i| add_ordered(*i as usize, *plane as usize));
+            if !fixed[*plane as usize] {
+                let settled = settled.members().iter();
+                settled.for_each(|i| add_ordered(*i as usize, *plane as usize));
+            }
+        }
+        pairs.sort_unstable_by_key(|pair| pair.bodies);
+    }
+}
+
+fn number(body: usize) -> u32 {
+    u32::try_from(body).expect("bodies are numbered with 32 bits")
 }
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector2;
-
     use super::*;
+    use crate::{Collider, Pose, Shape, pose::Frame};
+
+    /// A jittered grid of boxes, a few long ones, a half-plane and a body without shapes.
+    fn scene(shift: f64) -> (Vec<Collider>, Vec<Frame>) {
+        let rectangle =
+            |width, height| Shape::Rectangle { width, height, center: [0.0; 2], angle: 0.0 };
+        let collider = |shapes: &[Shape]| Collider::new(shapes).expect("valid shapes");
+        let mut colliders: Vec<Collider> = (0..200_u32)
+            .map(|k| collider(&[rectangle(if k % 67 == 3 { 7.0 } else { 0.8 }, 0.9)]))
+            .collect();
+        colliders.push(collider(&[Shape::HalfPlane { normal: [0.1, 1.0], offset: 1.0 }]));
+        colliders.push(collider(&[]));
+        let pose = |k: u32| {
+            let (x, y) = (f64::from(k % 20), f64::from(k / 20));
+            let s = shift + 0.3 * (7.0 * x + 3.0 * y).sin();
+            Pose::new(x + s, y - s, s)
+        };
+        (colliders, (0..202).map(|k| Frame::new(&pose(k))).collect())
+    }
+
+    fn all_pairs(world: &World, fixed: &[bool], reach: &[f64]) -> Vec<Near> {
+        // The last body is empty.
+        let last = world.len() - 1;
+        let pairs = (0..last).flat_map(|i| (i + 1..last).map(move |j| (i, j)));
+        let near = |(i, j): (usize, usize)| {
+            let pair = Near { bodies: [number(i), number(j)], apart: world.apart(i, j) };
+            let within = pair.apart <= reach[i].max(reach[j]);
+            (within && !(fixed[i] && fixed[j])).then_some(pair)
+        };
+        pairs.filter_map(near).collect()
+    }
 
     #[test]
-    fn the_tree_finds_what_all_pairs_find() {
-        // A jittered grid of boxes, and one half-plane's box.
-        let mut boxes: Vec<Bounds> = (0..200_u32)
-            .map(|k| {
-                let (x, y) = (f64::from(k % 20), f64::from(k / 20));
-                let shift = 0.3 * (7.0 * x + 3.0 * y).sin();
-                let corner = Vector2::new(x + shift, y - shift);
-                Bounds { min: corner, max: corner + Vector2::new(0.8, 0.9) }
-            })
-            .collect();
-        boxes.push(Bounds::EVERYTHING);
-        let near = |(i, j): &(usize, usize)| boxes[*i].near(&boxes[*j], 0.15);
-        let all = (0..201).flat_map(|i| (i + 1..201).map(move |j| (i, j))).filter(near);
-        assert_eq!(pairs(&boxes, 0.15), all.collect::<Vec<_>>());
+    fn sweeps_and_trees_find_what_all_pairs_find() {
+        let (mut world, mut broad_phase, mut found) =
+            (World::default(), BroadPhase::default(), Vec::new());
+        let fixed: Vec<bool> = (0..202).map(|k| k % 3 == 0).collect();
+        let reaches: [fn(u32) -> f64; 4] = [
+            |_| 0.15,
+            |k| if k == 77 { 4.0 } else { 0.01 * f64::from(k % 5) },
+            |_| f64::INFINITY,
+            |_| -0.1,
+        ];
+        // Everything moves, then nothing does, then a third.
+        for shift in [0.0, 0.0, 0.2] {
+            let (colliders, frames) = scene(0.0);
+            let frames: Vec<Frame> = if shift == 0.0 {
+                frames
+            } else {
+                let moved = scene(shift).1;
+                (0..202).map(|k| if k % 4 == 0 { moved[k] } else { frames[k] }).collect()
+            };
+            world.place(&colliders, &frames);
+            broad_phase.update(&world, &fixed);
+            for reach in reaches {
+                let reach: Vec<f64> = (0..202).map(reach).collect();
+                broad_phase.pairs(&world, &fixed, &reach, &mut found);
+                assert_eq!(found, all_pairs(&world, &fixed, &reach));
+            }
+        }
     }
 }

@@ -1,12 +1,16 @@
 //! All shapes of one body, ready for contact queries.
 
+use std::sync::Arc;
+
 use crate::{Shape, ShapeError, outline::Outline};
 
 /// The shapes of one body in the body's frame, whose origin is where the body's pose says.
+///
+/// Copies share what was prepared.
 #[derive(Clone, Debug)]
 pub struct Collider {
-    shapes: Vec<Shape>,
-    outlines: Vec<Outline>,
+    shapes: Arc<[Shape]>,
+    outlines: Arc<[Outline]>,
     radius: f64,
 }
 
@@ -23,9 +27,9 @@ impl Collider {
             return Err(ShapeError::TooMany { field: "shapes", count });
         }
         shapes.iter().try_for_each(Shape::validate)?;
-        let outlines: Vec<Outline> = shapes.iter().map(Outline::new).collect();
+        let outlines: Arc<[Outline]> = shapes.iter().map(Outline::new).collect();
         let radius = outlines.iter().map(|o| o.core_reach() + o.radius).fold(0.0, f64::max);
-        Ok(Self { shapes: shapes.to_vec(), outlines, radius })
+        Ok(Self { shapes: shapes.into(), outlines, radius })
     }
 
     /// Radius of a circle about the body's origin that holds all shapes, m; infinite with a
@@ -45,6 +49,11 @@ impl Collider {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.shapes.is_empty()
+    }
+
+    /// Whether it is a copy of the other or the other itself.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.outlines, &other.outlines)
     }
 
     pub(crate) fn outlines(&self) -> &[Outline] {

@@ -50,28 +50,40 @@ impl ContactFeature {
     /// `evaluate`, where sines and cosines are at hand.
     #[must_use]
     pub fn evaluate_in(&self, a: &Frame, b: &Frame) -> Contact {
-        let [r_a, r_b] = self.radii;
-        let (point, normal, gap) = match &self.feature {
+        match &self.feature {
             Feature::Points { a: l_a, b: l_b } => {
-                let (x_a, x_b) = (a.point(l_a), b.point(l_b));
-                let r = x_b - x_a;
-                let d = r.norm();
-                let (n, gap) = (r / d, d - r_a - r_b);
-                (x_a + n * (r_a + gap / 2.0), n, gap)
+                self.placed(a.point(l_a), b.point(l_b), Vector2::zeros())
             }
             Feature::LineA { point, normal, b: l_b } => {
-                let (x_l, x_b) = (a.point(point), b.point(l_b));
-                let n = a.direction(normal);
-                let gap = n.dot(&(x_b - x_l)) - r_a - r_b;
-                (x_b - n * (r_b + gap / 2.0), n, gap)
+                self.placed(a.point(point), b.point(l_b), a.direction(normal))
             }
             Feature::LineB { a: l_a, point, normal } => {
-                let (x_a, x_l) = (a.point(l_a), b.point(point));
-                let n = -b.direction(normal);
-                let gap = n.dot(&(x_l - x_a)) - r_a - r_b;
-                (x_a + n * (r_a + gap / 2.0), n, gap)
+                self.placed(a.point(l_a), b.point(point), b.direction(normal))
             }
+        }
+    }
+
+    /// `evaluate`, where the points of a and b and the outward normal of the line, if there is one,
+    /// are at hand in the world.
+    #[inline]
+    pub(crate) fn placed(
+        &self,
+        x_a: Vector2<f64>,
+        x_b: Vector2<f64>,
+        line: Vector2<f64>,
+    ) -> Contact {
+        let [r_a, r_b] = self.radii;
+        let r = x_b - x_a;
+        let (n, d) = match &self.feature {
+            Feature::Points { .. } => (r / r.norm(), r.norm()),
+            Feature::LineA { .. } => (line, line.dot(&r)),
+            Feature::LineB { .. } => (-line, (-line).dot(&r)),
         };
-        Contact { feature: *self, point, normal, gap }
+        let gap = d - r_a - r_b;
+        let point = match &self.feature {
+            Feature::LineA { .. } => x_b - n * (r_b + gap / 2.0),
+            Feature::Points { .. } | Feature::LineB { .. } => x_a + n * (r_a + gap / 2.0),
+        };
+        Contact { feature: *self, point, normal: n, gap }
     }
 }

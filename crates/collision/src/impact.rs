@@ -8,8 +8,9 @@ use nalgebra::Vector3;
 
 use crate::{
     CollisionError, Contact, ContactId, Placed,
-    detect::{contact, finite_pose},
+    detector::{contact, finite_pose},
     outline::Outline,
+    pose::Frame,
     select::{Seams, select},
     world::World,
 };
@@ -39,19 +40,19 @@ pub fn time_of_impact(
     vb: &Vector3<f64>,
     horizon: f64,
 ) -> Result<Option<f64>, CollisionError> {
-    finite_pose(0, &a.pose)?;
-    finite_pose(1, &b.pose)?;
+    finite_pose(0, &Frame::new(&a.pose))?;
+    finite_pose(1, &Frame::new(&b.pose))?;
     let velocities = va.iter().chain(vb.iter()).map(|&v| ("velocity", v));
     for (what, value) in velocities.chain([("horizon", horizon)]) {
         if !value.is_finite() {
             return Err(CollisionError::NotFinite { what, value });
         }
     }
-    let mut first = None;
+    let (mut world, mut first) = (World::default(), None);
     for k in 0..a.collider.outlines().len() {
         for l in 0..b.collider.outlines().len() {
             let motion = Motion { bodies: [*a, *b], shapes: [k, l], velocities: [va, vb] };
-            first = motion.impact(first.unwrap_or(horizon))?.or(first);
+            first = motion.impact(first.unwrap_or(horizon), &mut world)?.or(first);
         }
     }
     Ok(first)
@@ -79,12 +80,12 @@ impl Motion<'_> {
     /// with R the greatest distance of such a point from its body's origin, so that τ ≥ d/c, and never
     /// if c ≤ 0. Without rotation (or for discs about their origin, R = 0) this is Newton's method on
     /// a convex function, from below.
-    fn impact(&self, horizon: f64) -> Result<Option<f64>, CollisionError> {
+    fn impact(&self, horizon: f64, world: &mut World) -> Result<Option<f64>, CollisionError> {
         let spin = self.spin(horizon);
         let touching = TOUCHING * self.outlines().iter().map(|o| o.size).sum::<f64>();
         let mut time = 0.0;
         for _ in 0..MAX_STEPS {
-            let Some(nearest) = self.nearest(time)? else {
+            let Some(nearest) = self.nearest(time, world)? else {
                 return Ok(None);
             };
             if nearest.gap <= touching {
@@ -101,13 +102,10 @@ impl Motion<'_> {
     }
 
     /// The nearest contact after a time; `None` for two half-planes.
-    fn nearest(&self, time: f64) -> Result<Option<Contact>, CollisionError> {
-        let mut bodies = self.bodies;
-        for (body, velocity) in bodies.iter_mut().zip(self.velocities) {
-            body.pose += velocity * time;
-        }
-        let world = World::new(&bodies);
-        let (colliders, frames) = (bodies.map(|b| b.collider), [0, 1].map(|k| world.frame(k)));
+    fn nearest(&self, time: f64, world: &mut World) -> Result<Option<Contact>, CollisionError> {
+        let later = |k: usize| self.bodies[k].pose + self.velocities[k] * time;
+        let colliders = [self.bodies[0].collider.clone(), self.bodies[1].collider.clone()];
+        world.place(&colliders, &[0, 1].map(|k| Frame::new(&later(k))));
         let [k, l] = self.shapes;
         let shapes = [number(k), number(l)];
         let (Some(a), Some(b)) = (world.views(0).nth(k), world.views(1).nth(l)) else {
@@ -115,7 +113,7 @@ impl Motion<'_> {
         };
         let mut nearest: Option<Contact> = None;
         for parts in select(&a, &b, f64::INFINITY, Seams::Keep).iter() {
-            let found = contact(colliders, frames, ContactId { bodies: [0, 1], shapes, parts })?;
+            let found = contact(world, [&a, &b], ContactId { bodies: [0, 1], shapes, parts })?;
             if nearest.is_none_or(|best| found.gap < best.gap) {
                 nearest = Some(found);
             }

@@ -30,10 +30,12 @@
 //! ```
 //!
 //! Reading order: `pose`; `shape`, `hull`, `mass`, `outline` and `collider` say what bodies look
-//! like; `feature`, `evaluate` and `jet` what a contact is; `detect`, `world`, `broad_phase`, `select`,
-//! `pairing` and `edge` how contacts are found; `impact` when moving bodies first touch.
+//! like; `feature`, `evaluate` and `jet` what a contact is; `detect` and `detector` how contacts are
+//! found: `world` places the bodies, `broad_phase` (`bounds`, `sweep`, `settled`) finds which are near
+//! each other, `select`, `pairing` and `edge` what of them touches; `impact` when moving bodies first
+//! touch.
 //!
-//! Parry finds which bodies are near each other, and is the tests' second opinion on distances and
+//! Parry keeps the tree of bodies that do not move, and is the tests' second opinion on distances and
 //! impacts; `select` and `impact` say why their work is not left to it.
 
 pub mod pose;
@@ -49,18 +51,24 @@ mod evaluate;
 mod feature;
 mod jet;
 // how contacts and impacts are found,
+mod bounds;
 mod broad_phase;
 mod detect;
+mod detector;
 mod edge;
 mod impact;
 mod pairing;
 mod select;
+mod settled;
+mod sweep;
 mod world;
 // and what can be wrong.
 mod error;
 
+pub use broad_phase::Near;
 pub use collider::Collider;
 pub use detect::{Placed, contacts};
+pub use detector::Detector;
 pub use error::{CollisionError, ShapeError};
 pub use evaluate::Contact;
 pub use feature::{ContactFeature, ContactId, Feature, Part};

@@ -90,7 +90,7 @@ impl Side {
 ///
 /// The nearest parts are among them, unless they are at a seam to be skipped.
 pub(crate) fn select(a: &View<'_>, b: &View<'_>, reach: f64, seams: Seams) -> Selection {
-    match (a.unbounded, b.unbounded) {
+    match (a.piece.unbounded, b.piece.unbounded) {
         (true, true) => Selection::default(),
         (true, false) => lowest(a, b, Side::A),
         (false, true) => lowest(b, a, Side::B),
@@ -100,7 +100,7 @@ pub(crate) fn select(a: &View<'_>, b: &View<'_>, reach: f64, seams: Seams) -> Se
 
 /// Half-plane: the lowest vertex and the lower one of its neighbours.
 fn lowest(plane: &View<'_>, core: &View<'_>, side: Side) -> Selection {
-    let (count, size) = (core.vertices.len(), core.size);
+    let (count, size) = (core.vertices.len(), core.piece.size);
     let height = |k: usize| plane.normals[0].dot(&(core.vertices[k] - plane.vertices[0]));
     let lowest = first_least(count, height);
     let (next, last) = ((lowest + 1) % count, (lowest + count - 1) % count);
@@ -111,16 +111,16 @@ fn lowest(plane: &View<'_>, core: &View<'_>, side: Side) -> Selection {
 
 /// Two bounded shapes.
 fn between_cores(a: &View<'_>, b: &View<'_>, reach: f64, seams: Seams) -> Selection {
-    let Some(pairing) = Pairing::new(a, b) else {
+    if a.normals.is_empty() && b.normals.is_empty() {
         return Selection::one([Part::Vertex(0); 2]); // two circles
-    };
-    let thickness = a.radius + b.radius;
-    if pairing.separation() > reach + thickness {
-        return Selection::default();
     }
-    let selected = pairing.selection();
+    let thickness = a.piece.radius + b.piece.radius;
+    let Some(pairing) = Pairing::new(a, b, reach + thickness) else {
+        return Selection::default();
+    };
+    let (selected, nearest) = pairing.selection();
     let catches = thickness == 0.0 && seams == Seams::Skip; // round sides roll over seams
-    if catches && pairing.at_seam(&selected) { Selection::default() } else { selected }
+    if catches && pairing.at_seam(nearest) { Selection::default() } else { selected }
 }
 
 /// The first k < count with the least value.

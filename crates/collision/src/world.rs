@@ -1,38 +1,42 @@
-//! All outlines placed in the world, once per query.
+//! All outlines placed in the world; what did not move since the last query stays.
 
 use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use crate::{Placed, outline::Outline, pose::Frame};
+use crate::{Collider, bounds::Bounds, outline::Outline, pose::Frame};
 
 /// Every outline of every body in the world frame, in flat arrays.
+#[derive(Debug, Default)]
 pub(crate) struct World {
+    bodies: Vec<Placement>,
+    pieces: Vec<Piece>,
+    /// World, as [`View`] hands them out.
     vertices: Vec<Vector2<f64>>,
     normals: Vec<Vector2<f64>>,
-    pieces: Vec<Piece>,
-    /// Which pieces are whose, per body.
-    bodies: Vec<Range<usize>>,
-    frames: Vec<Frame>,
+    /// The same in the bodies' frames.
+    local_vertices: Vec<Vector2<f64>>,
+    local_normals: Vec<Vector2<f64>>,
+    /// Around each body.
+    bounds: Vec<Bounds>,
+    moved: Vec<bool>,
+}
+
+/// A body's collider, where it is, and what of the arrays is its.
+#[derive(Debug)]
+struct Placement {
+    collider: Collider,
+    frame: Frame,
+    pieces: Range<usize>,
+    vertices: Range<usize>,
+    normals: Range<usize>,
 }
 
 /// One placed outline.
-struct Piece {
+#[derive(Debug)]
+pub(crate) struct Piece {
     vertices: Range<usize>,
     normals: Range<usize>,
-    bounds: Bounds,
-    radius: f64,
-    size: f64,
-    unbounded: bool,
-}
-
-/// A placed outline, as selection reads it.
-#[derive(Clone, Copy)]
-pub(crate) struct View<'a> {
-    /// Vertices of the core, world, m.
-    pub(crate) vertices: &'a [Vector2<f64>],
-    /// Unit outward normals of the edges, world.
-    pub(crate) normals: &'a [Vector2<f64>],
     /// Box around the shape.
     pub(crate) bounds: Bounds,
     /// Radius around the core, m.
@@ -43,108 +47,175 @@ pub(crate) struct View<'a> {
     pub(crate) unbounded: bool,
 }
 
-/// An axis-parallel box, world, m; infinite around a half-plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bounds {
-    /// Lower left corner.
-    pub(crate) min: Vector2<f64>,
-    /// Upper right corner.
-    pub(crate) max: Vector2<f64>,
+/// A placed outline with its points, as selection and evaluation read it.
+#[derive(Clone, Copy)]
+pub(crate) struct View<'a> {
+    /// Vertices of the core, world, m.
+    pub(crate) vertices: &'a [Vector2<f64>],
+    /// Unit outward normals of the edges, world.
+    pub(crate) normals: &'a [Vector2<f64>],
+    /// All else.
+    pub(crate) piece: &'a Piece,
 }
 
+/// Part of its length by which a lower bound of a height is lowered, against rounding.
+const ROUNDING: f64 = 1e-12;
+
 impl World {
-    /// Places all bodies; their poses are finite.
-    pub(crate) fn new(bodies: &[Placed<'_>]) -> Self {
-        let mut world = Self {
-            vertices: Vec::new(),
-            normals: Vec::new(),
-            pieces: Vec::new(),
-            bodies: Vec::with_capacity(bodies.len()),
-            frames: Vec::with_capacity(bodies.len()),
-        };
-        for body in bodies {
-            let (first, frame) = (world.pieces.len(), Frame::new(&body.pose));
-            body.collider.outlines().iter().for_each(|outline| world.place(outline, &frame));
-            world.bodies.push(first..world.pieces.len());
-            world.frames.push(frame);
+    /// Places all bodies; their frames are finite.
+    pub(crate) fn place(&mut self, colliders: &[Collider], frames: &[Frame]) {
+        let same = self.bodies.len() == colliders.len()
+            && self.bodies.iter().zip(colliders).all(|(body, other)| body.collider.is(other));
+        if !same {
+            self.lay_out(colliders, frames);
         }
-        world
+        for (i, frame) in frames.iter().enumerate() {
+            let moves = !same || !self.bodies[i].frame.is_at(frame.pose());
+            self.moved[i] = moves;
+            if moves {
+                self.bodies[i].frame = *frame;
+                self.place_body(i);
+            }
+        }
+    }
+
+    /// Number of bodies.
+    pub(crate) fn len(&self) -> usize {
+        self.bodies.len()
+    }
+
+    /// Which bodies are not where they were before the last placement.
+    pub(crate) fn moved(&self) -> &[bool] {
+        &self.moved
+    }
+
+    /// A box around each body.
+    pub(crate) fn bounds(&self) -> &[Bounds] {
+        &self.bounds
+    }
+
+    /// Whether a body has no shapes.
+    pub(crate) fn is_empty(&self, body: usize) -> bool {
+        self.bodies[body].pieces.is_empty()
+    }
+
+    /// Whether a body has shapes that do not end.
+    pub(crate) fn is_unbounded(&self, body: usize) -> bool {
+        !self.bounds[body].is_finite() && !self.is_empty(body)
     }
 
     /// The outlines of one body, in the order of its shapes.
     pub(crate) fn views(&self, body: usize) -> impl Iterator<Item = View<'_>> {
-        self.pieces[self.bodies[body].clone()].iter().map(|piece| View {
+        self.bodies[body].pieces.clone().map(|piece| self.view(piece))
+    }
+
+    /// A lower bound of the distance of two bodies, m.
+    pub(crate) fn apart(&self, i: usize, j: usize) -> f64 {
+        match (self.plane(i), self.plane(j)) {
+            (Some(plane), None) => self.height(plane, j),
+            (None, Some(plane)) => self.height(plane, i),
+            _ => self.bounds[i].apart(&self.bounds[j]),
+        }
+    }
+
+    /// The piece of a body that is nothing but a half-plane.
+    fn plane(&self, body: usize) -> Option<usize> {
+        let pieces = &self.bodies[body].pieces;
+        (pieces.len() == 1 && self.pieces[pieces.start].unbounded).then_some(pieces.start)
+    }
+
+    /// Height of a body's box over a half-plane, rounded down, m.
+    fn height(&self, plane: usize, body: usize) -> f64 {
+        let (plane, Bounds { min, max }) = (self.view(plane), self.bounds[body]);
+        let n = plane.normals[0];
+        let lowest = Vector2::new(
+            if n.x > 0.0 { min.x } else { max.x },
+            if n.y > 0.0 { min.y } else { max.y },
+        );
+        let r = lowest - plane.vertices[0];
+        let height = n.dot(&r) - ROUNDING * (r.x.abs() + r.y.abs());
+        if height.is_nan() { f64::NEG_INFINITY } else { height }
+    }
+
+    /// A vertex of a placed outline in its body's frame, m.
+    pub(crate) fn local_vertex(&self, view: &View<'_>, k: u16) -> Vector2<f64> {
+        self.local_vertices[view.piece.vertices.start + usize::from(k)]
+    }
+
+    /// A normal of a placed outline in its body's frame.
+    pub(crate) fn local_normal(&self, view: &View<'_>, k: u16) -> Vector2<f64> {
+        self.local_normals[view.piece.normals.start + usize::from(k)]
+    }
+
+    fn view(&self, piece: usize) -> View<'_> {
+        let piece = &self.pieces[piece];
+        View {
             vertices: &self.vertices[piece.vertices.clone()],
             normals: &self.normals[piece.normals.clone()],
-            bounds: piece.bounds,
-            radius: piece.radius,
-            size: piece.size,
-            unbounded: piece.unbounded,
-        })
+            piece,
+        }
     }
 
-    /// The frame of one body.
-    pub(crate) fn frame(&self, body: usize) -> &Frame {
-        &self.frames[body]
+    /// Makes the arrays anew for other colliders.
+    fn lay_out(&mut self, colliders: &[Collider], frames: &[Frame]) {
+        self.bodies.clear();
+        self.pieces.clear();
+        self.local_vertices.clear();
+        self.local_normals.clear();
+        for (collider, frame) in colliders.iter().zip(frames) {
+            let first = (self.pieces.len(), self.local_vertices.len(), self.local_normals.len());
+            collider.outlines().iter().for_each(|outline| self.add(outline));
+            self.bodies.push(Placement {
+                collider: collider.clone(),
+                frame: *frame,
+                pieces: first.0..self.pieces.len(),
+                vertices: first.1..self.local_vertices.len(),
+                normals: first.2..self.local_normals.len(),
+            });
+        }
+        self.vertices.clone_from(&self.local_vertices);
+        self.normals.clone_from(&self.local_normals);
+        self.bounds.clear();
+        self.bounds.resize(colliders.len(), Bounds::EMPTY);
+        self.moved.clear();
+        self.moved.resize(colliders.len(), true);
     }
 
-    /// A box around each body.
-    pub(crate) fn bounds(&self) -> Vec<Bounds> {
-        let of = |pieces: &Range<usize>| {
-            let boxes = self.pieces[pieces.clone()].iter().map(|piece| piece.bounds);
-            boxes.fold(Bounds::EMPTY, Bounds::joined)
-        };
-        self.bodies.iter().map(of).collect()
-    }
-
-    fn place(&mut self, outline: &Outline, frame: &Frame) {
-        let (v, n) = (self.vertices.len(), self.normals.len());
-        self.vertices.extend(outline.vertices.iter().map(|l| frame.point(l)));
-        self.normals.extend(outline.normals.iter().map(|n| frame.direction(n)));
-        let bounds = if outline.unbounded {
-            Bounds::EVERYTHING
-        } else {
-            Bounds::around(&self.vertices[v..]).grown(outline.radius)
-        };
+    fn add(&mut self, outline: &Outline) {
+        let (v, n) = (self.local_vertices.len(), self.local_normals.len());
+        self.local_vertices.extend_from_slice(&outline.vertices);
+        self.local_normals.extend_from_slice(&outline.normals);
         self.pieces.push(Piece {
-            vertices: v..self.vertices.len(),
-            normals: n..self.normals.len(),
-            bounds,
+            vertices: v..self.local_vertices.len(),
+            normals: n..self.local_normals.len(),
+            bounds: Bounds::EVERYTHING,
             radius: outline.radius,
             size: outline.size,
             unbounded: outline.unbounded,
         });
     }
-}
 
-impl Bounds {
-    const EMPTY: Self = Self::all(f64::INFINITY, f64::NEG_INFINITY);
-    /// Around a half-plane.
-    pub(crate) const EVERYTHING: Self = Self::all(f64::NEG_INFINITY, f64::INFINITY);
-
-    /// Whether the boxes are within `reach` of each other along both axes.
-    pub(crate) fn near(&self, other: &Self, reach: f64) -> bool {
-        (0..2).all(|k| self.min[k] - other.max[k] <= reach && other.min[k] - self.max[k] <= reach)
-    }
-
-    /// Whether it ends everywhere: not a half-plane's.
-    pub(crate) fn is_finite(&self) -> bool {
-        self.min.iter().chain(&self.max).all(|x| x.is_finite())
-    }
-
-    fn around(points: &[Vector2<f64>]) -> Self {
-        points.iter().fold(Self::EMPTY, |b, p| Self { min: b.min.inf(p), max: b.max.sup(p) })
-    }
-
-    fn joined(self, other: Self) -> Self {
-        Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
-    }
-
-    fn grown(self, by: f64) -> Self {
-        Self { min: self.min.add_scalar(-by), max: self.max.add_scalar(by) }
-    }
-
-    const fn all(min: f64, max: f64) -> Self {
-        Self { min: Vector2::new(min, min), max: Vector2::new(max, max) }
+    /// Vertices, normals and boxes of one body where its frame is.
+    fn place_body(&mut self, body: usize) {
+        let Placement { frame, pieces, vertices, normals, .. } = &self.bodies[body];
+        let local = &self.local_vertices[vertices.clone()];
+        self.vertices[vertices.clone()]
+            .iter_mut()
+            .zip(local)
+            .for_each(|(x, l)| *x = frame.point(l));
+        let local = &self.local_normals[normals.clone()];
+        self.normals[normals.clone()]
+            .iter_mut()
+            .zip(local)
+            .for_each(|(n, l)| *n = frame.direction(l));
+        let mut bounds = Bounds::EMPTY;
+        for piece in &mut self.pieces[pieces.clone()] {
+            if !piece.unbounded {
+                let core = Bounds::around(&self.vertices[piece.vertices.clone()]);
+                piece.bounds = core.grown(piece.radius);
+            }
+            bounds = bounds.joined(piece.bounds);
+        }
+        self.bounds[body] = bounds;
     }
 }

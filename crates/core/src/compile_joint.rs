@@ -2,12 +2,13 @@
 
 use nalgebra::Vector2;
 use tangency_collision::{Pose, pose};
+use tangency_lcp::NO_BODY;
 
 use crate::compile::{LEAST, Names, conflict, finite, finite_point, non_negative, positive};
 use crate::joint::WORLD;
 use crate::measure::Measure;
 use crate::model::{Joint, JointRow};
-use crate::{JointDef, JointKind, Limits, Motor, Scene, SceneError, Softness};
+use crate::{BodyKind, JointDef, JointKind, Limits, Motor, Scene, SceneError, Softness};
 
 /// Collects what every joint needs while its definition is read.
 struct JointCompiler<'a> {
@@ -38,6 +39,11 @@ pub(crate) fn compile_joint(
     let compiler = JointCompiler { path, bodies, poses };
     let mut joint = compiler.kind(&def.kind)?;
     joint.name.clone_from(&def.name);
+    let index = |b: usize| u32::try_from(b).expect("fewer bodies than u32 counts");
+    let unknown = |body: Option<usize>| body.filter(|b| scene.is_dynamic(*b));
+    joint.unknowns = bodies.map(|body| unknown(body).map_or(NO_BODY, index));
+    let kinematic = |b: &usize| scene.bodies[*b].kind == BodyKind::Kinematic;
+    joint.driven = bodies.iter().flatten().any(kinematic);
     if let Some(softness) = def.softness {
         if matches!(def.kind, JointKind::Spring { .. }) {
             let reason = "a spring has its own stiffness and damping; leave softness out";
@@ -127,7 +133,8 @@ impl JointCompiler<'_> {
         }
         let anchors = [0, 1].map(|i| pose::local_point(&self.poses[i], &points[i]));
         let (name, bodies) = (String::new(), self.bodies);
-        Ok(Joint { name, bodies, anchors, held, free, limits, motor, softness: None })
+        let (softness, unknowns, driven) = (None, [NO_BODY; 2], false);
+        Ok(Joint { name, bodies, anchors, held, free, limits, motor, softness, unknowns, driven })
     }
 
     fn check_limits(&self, limits: Limits, kind: &str) -> Result<(), SceneError> {

@@ -18,6 +18,11 @@ impl Frames {
         }
     }
 
+    /// Frames of the bodies.
+    pub(crate) fn bodies(&self) -> &[Frame] {
+        &self.0[..self.0.len() - 1]
+    }
+
     /// Frame of a body.
     pub(crate) fn body(&self, body: usize) -> &Frame {
         &self.0[body]

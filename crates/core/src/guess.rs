@@ -136,6 +136,17 @@ impl Places {
     }
 }
 
+/// Writes the modes that the rows of an island without a past are likely to have.
+pub(crate) fn guess_likely(island: &Island, guess: &mut Guess) {
+    guess.modes.clear();
+    guess.impulses.clear();
+    for row in 0..island.sources.len() {
+        let mode = likely(island, row, &guess.modes);
+        guess.modes.push(mode);
+        guess.impulses.push(0.0);
+    }
+}
+
 /// The mode that a row without a past takes: closed where it would be violated at the free velocities.
 fn likely(island: &Island, row: usize, modes: &[Mode]) -> Mode {
     let (problem, index) = (&island.problem, row);

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use tangency_lcp::Law;
 
 use crate::StepScratch;
-use crate::detect::contacts_within;
+use crate::detect::Detection;
+use crate::frames::Frames;
 use crate::record::Path;
 use crate::row::{RowContext, RowSource, Stage};
 use crate::scene::Scene;
@@ -148,7 +149,11 @@ impl Scene {
     /// A [`StepError`] where geometry has no answer.
     pub fn penetration(&self, state: &State) -> Result<f64, StepError> {
         state.check(self.bodies.len())?;
-        let contacts = contacts_within(self, state, 0.0)?;
+        let mut contacts = Vec::new();
+        let mut frames = Frames::default();
+        frames.place(&state.q);
+        let (detection, frames) = (&mut Detection::default(), frames.bodies());
+        detection.within(self, state.time, frames, 0.0, &mut contacts)?;
         Ok(contacts.iter().map(|c| -c.gap).fold(0.0, f64::max))
     }
 

@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use tangency_collision::Contact;
 use tangency_lcp::{Law, Lcp, LcpSolver};
 
-use crate::detect::Reach;
 use crate::island::assemble;
 use crate::record::{PostRecord, StepRecord};
 use crate::row::{RowContext, Stage};
@@ -19,7 +18,6 @@ use crate::{Correction, Stabilisation, StepError};
 pub(crate) fn mend_positions(
     scene: &Scene,
     solver: &dyn LcpSolver,
-    reach: Reach,
     record: &mut StepRecord,
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
@@ -43,7 +41,7 @@ pub(crate) fn mend_positions(
     }
     let still = scratch.vectors.filled(moved.len(), Vector3::zeros());
     let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(&context, &scratch.frames, reach);
+    rows.list(&context, &scratch.frames, scratch.detection.groups());
     let mut islands = assemble(&context, &still, &mut rows, scratch);
     scratch.rows = rows;
     scratch.vectors.give(still);

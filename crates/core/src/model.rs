@@ -58,6 +58,10 @@ pub struct Joint {
     pub motor: Option<Motor>,
     /// Stiffness and damping of the held rows; rigid if absent.
     pub softness: Option<Softness>,
+    /// The bodies whose velocities are unknowns; [`NO_BODY`](tangency_lcp::NO_BODY) for the others.
+    pub(crate) unknowns: [u32; 2],
+    /// Whether a body moves it as it was told.
+    pub(crate) driven: bool,
 }
 
 /// A wrench within a window of time.

@@ -52,16 +52,31 @@ pub fn rollout(
     solver: &dyn LcpSolver,
     initial: State,
     steps: usize,
-    mut control: impl FnMut(usize, &State) -> Vec<f64>,
+    control: impl FnMut(usize, &State) -> Vec<f64>,
 ) -> Result<Rollout, StepError> {
-    let mut scratch = StepScratch::default();
+    rollout_in(scene, solver, initial, steps, control, &mut StepScratch::default())
+}
+
+/// [`rollout`] in memory that is used again: give an old run [back](StepScratch::recycle_run) and the
+/// next one needs none of its own.
+///
+/// # Errors
+/// As [`rollout`].
+pub fn rollout_in(
+    scene: &Scene,
+    solver: &dyn LcpSolver,
+    initial: State,
+    steps: usize,
+    mut control: impl FnMut(usize, &State) -> Vec<f64>,
+    scratch: &mut StepScratch,
+) -> Result<Rollout, StepError> {
     let mut run = Rollout { initial, records: Vec::new() };
     for k in 0..steps {
         let state = run.state(k);
         let control = control(k, state);
         let record = match run.records.last() {
-            Some(before) => next_step(scene, solver, before, &control, &mut scratch)?,
-            None => step(scene, solver, state, &control, &mut scratch)?,
+            Some(before) => next_step(scene, solver, before, &control, scratch)?,
+            None => step(scene, solver, state, &control, scratch)?,
         };
         run.records.push(record);
     }

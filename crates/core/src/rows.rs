@@ -1,10 +1,11 @@
 //! The rows of a step, in the order in which they enter its problems.
 
 use nalgebra::Vector3;
-use tangency_lcp::{NO_BODY, Row};
+use tangency_lcp::{Law, NO_BODY, Row};
 
-use crate::detect::Reach;
 use crate::frames::Frames;
+use crate::reach::Groups;
+use crate::rhs::Rhs;
 use crate::row::{RowContext, RowGeometry, RowSource};
 
 /// Where each row comes from, and the row itself over the scene's own indices of bodies.
@@ -17,7 +18,7 @@ pub(crate) struct Rows {
 impl Rows {
     /// All rows of the step, joints first, each friction row behind its normal row. `frames` are those
     /// of the context's poses.
-    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, reach: Reach) {
+    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
         self.sources.clear();
         self.rows.clear();
         let post = !context.stage.is_velocity();
@@ -25,25 +26,51 @@ impl Rows {
             if post && joint.softness.is_some() {
                 continue;
             }
-            for (row, held) in (0_u32..).zip(&joint.held) {
-                let geometry = context.joint_geometry_in(index, *held, frames);
-                self.push(context, RowSource::Held { joint: index, row }, &geometry);
-            }
+            self.list_held(context, frames, index);
             if joint.free.is_some() {
-                self.list_free(context, frames, index, reach);
+                self.list_free(context, frames, index, groups);
             }
         }
         self.list_contacts(context);
     }
 
+    /// What a joint holds.
+    fn list_held(&mut self, context: &RowContext<'_>, frames: &Frames, index: u32) {
+        let joint = &context.scene.joints[index as usize];
+        for (row, held) in (0_u32..).zip(&joint.held) {
+            let geometry = context.joint_geometry_in(index, *held, frames);
+            let source = RowSource::Held { joint: index, row };
+            let Rhs { value, compliance, .. } = context.rhs(source, geometry.value, 0.0);
+            let part = |side: usize| match joint.unknowns[side] {
+                NO_BODY => Vector3::zeros(),
+                _ => geometry.jacobian[side],
+            };
+            let driven = joint.driven && context.stage.is_velocity();
+            self.sources.push(source);
+            self.rows.push(Row {
+                bodies: joint.unknowns,
+                jacobian: [part(0), part(1)],
+                rhs: if driven { value - driven_speed(context, &geometry) } else { value },
+                compliance,
+                law: Law::Equality,
+            });
+        }
+    }
+
     /// Limits in reach, and the motor.
-    fn list_free(&mut self, context: &RowContext<'_>, frames: &Frames, index: u32, reach: Reach) {
+    fn list_free(
+        &mut self,
+        context: &RowContext<'_>,
+        frames: &Frames,
+        index: u32,
+        groups: &Groups,
+    ) {
         let joint = &context.scene.joints[index as usize];
         if joint.limits.lower.is_some() {
-            self.push_limit(context, frames, RowSource::Lower { joint: index }, reach);
+            self.push_limit(context, frames, RowSource::Lower { joint: index }, groups);
         }
         if joint.limits.upper.is_some() {
-            self.push_limit(context, frames, RowSource::Upper { joint: index }, reach);
+            self.push_limit(context, frames, RowSource::Upper { joint: index }, groups);
         }
         if joint.motor.is_some() && context.stage.is_velocity() {
             let source = RowSource::Motor { joint: index };
@@ -72,9 +99,10 @@ impl Rows {
         context: &RowContext<'_>,
         frames: &Frames,
         source: RowSource,
-        reach: Reach,
+        groups: &Groups,
     ) {
         let geometry = context.geometry_in(source, frames);
+        let reach = groups.of_joint(geometry.bodies);
         let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
         let bound: f64 = geometry.jacobian.iter().map(travel).sum();
         if geometry.value <= bound {
@@ -117,16 +145,17 @@ pub(crate) fn set_right_side(
     let rhs = context.rhs(source, geometry.value, speed);
     row.rhs = rhs.value;
     row.compliance = rhs.compliance;
-    if !context.stage.is_velocity() {
-        return;
+    if context.stage.is_velocity() {
+        row.rhs -= driven_speed(context, geometry);
     }
-    for side in 0..2 {
-        if let Some(body) = geometry.bodies[side]
-            && !context.scene.is_dynamic(body)
-        {
-            row.rhs -= geometry.jacobian[side].dot(&context.v[body]);
-        }
-    }
+}
+
+/// What the velocities of bodies without unknowns contribute to J v.
+fn driven_speed(context: &RowContext<'_>, geometry: &RowGeometry) -> f64 {
+    let driven = |(body, j): (&Option<usize>, &Vector3<f64>)| {
+        body.filter(|b| !context.scene.is_dynamic(*b)).map(|b| j.dot(&context.v[b]))
+    };
+    geometry.bodies.iter().zip(&geometry.jacobian).filter_map(driven).sum()
 }
 
 fn number(index: usize) -> u32 {

@@ -1,6 +1,6 @@
 //! A scene: checked, compiled, and constant during a rollout.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use nalgebra::{Vector2, Vector3};
 use tangency_collision::{Collider, pose};
@@ -11,6 +11,8 @@ use crate::compile_input::{compile_control, compile_force, compile_pair};
 use crate::compile_joint::compile_joint;
 use crate::material::{self, Mixed};
 use crate::model::{Body, Control, Force, Joint, Pair};
+use crate::pair_rules::{PairRule, PairRules};
+use crate::reach::JointGroups;
 use crate::{BodyKind, ContactModel, Correction, SceneDef, SceneError, Stabilisation, State};
 
 /// A checked scene. Its numbers may be read freely and are changed through
@@ -25,10 +27,14 @@ pub struct Scene {
     pub(crate) joints: Vec<Joint>,
     pub(crate) forces: Vec<Force>,
     pub(crate) controls: Vec<Control>,
-    /// What pairs of bodies (lower index first) do differently.
-    pub(crate) pairs: BTreeMap<[usize; 2], Pair>,
-    /// Bodies (lower index first) whose joint keeps them from colliding.
-    pub(crate) jointed: BTreeSet<[usize; 2]>,
+    /// What pairs of bodies do differently.
+    pub(crate) rules: PairRules,
+    /// Bodies that joints connect.
+    pub(crate) joined: JointGroups,
+    /// Which bodies are not dynamic.
+    pub(crate) fixed: Vec<bool>,
+    /// Whether any two bodies may touch.
+    pub(crate) touches: bool,
     pub(crate) initial: State,
 }
 
@@ -49,12 +55,15 @@ impl Scene {
             joints: Vec::new(),
             forces: Vec::new(),
             controls: Vec::new(),
-            pairs: BTreeMap::new(),
-            jointed: BTreeSet::new(),
+            rules: PairRules::default(),
+            joined: JointGroups::default(),
+            fixed: Vec::new(),
+            touches: true,
             initial: State::default(),
         };
         for (i, body) in def.bodies.iter().enumerate() {
             let compiled = compile_body(body, &format!("bodies[{i}]"))?;
+            scene.fixed.push(compiled.body.kind != BodyKind::Dynamic);
             scene.bodies.push(compiled.body);
             scene.colliders.push(compiled.collider);
             scene.initial.q.push(compiled.pose);
@@ -63,9 +72,6 @@ impl Scene {
         let joint_names = Names::of_joints(&def.joints)?;
         for (i, joint) in def.joints.iter().enumerate() {
             let compiled = compile_joint(joint, &format!("joints[{i}]"), &names, &scene)?;
-            if let ([Some(a), Some(b)], false) = (compiled.bodies, joint.collide) {
-                scene.jointed.insert([a.min(b), a.max(b)]);
-            }
             scene.joints.push(compiled);
         }
         for (i, force) in def.forces.iter().enumerate() {
@@ -76,13 +82,11 @@ impl Scene {
             let path = format!("controls[{i}].input");
             scene.controls.push(compile_control(control, &path, &names, &joint_names, &scene)?);
         }
-        for (i, pair) in def.pairs.iter().enumerate() {
-            let path = format!("pairs[{i}]");
-            let pair = compile_pair(pair, &path, &names)?;
-            if scene.pairs.insert(pair.bodies, pair).is_some() {
-                return conflict(format!("{path}.bodies"), "this pair is given twice; merge both");
-            }
-        }
+        let silent = def.joints.iter().zip(&scene.joints).filter(|(def, _)| !def.collide);
+        let jointed: Vec<&Joint> = silent.map(|(_, joint)| joint).collect();
+        scene.rules = PairRules::new(scene.bodies.len(), &compile_pairs(def, &names)?, &jointed);
+        scene.joined = JointGroups::new(&scene.joints, &scene.fixed);
+        scene.touches = scene.may_touch();
         Ok(scene)
     }
 
@@ -191,7 +195,7 @@ impl Scene {
     /// Friction of a pair of bodies.
     #[must_use]
     pub fn pair_friction(&self, a: usize, b: usize) -> Mixed {
-        match self.pair(a, b).and_then(|p| p.friction) {
+        match self.rules.of(a, b).and_then(|p| p.friction) {
             Some(value) => Mixed { value, d: [0.0; 2] },
             None => material::friction(self.bodies[a].friction, self.bodies[b].friction),
         }
@@ -200,29 +204,32 @@ impl Scene {
     /// Restitution of a pair of bodies.
     #[must_use]
     pub fn pair_restitution(&self, a: usize, b: usize) -> Mixed {
-        match self.pair(a, b).and_then(|p| p.restitution) {
+        match self.rules.of(a, b).and_then(|p| p.restitution) {
             Some(value) => Mixed { value, d: [0.0; 2] },
             None => material::restitution(self.bodies[a].restitution, self.bodies[b].restitution),
         }
     }
 
+    /// Whether any two bodies may touch; taken for granted where there are too many pairs to ask.
+    fn may_touch(&self) -> bool {
+        const MANY: usize = 2000;
+        let shaped = |body: &usize| self.colliders[*body].radius() > 0.0;
+        let shaped: Vec<usize> = (0..self.bodies.len()).filter(shaped).collect();
+        let meets = |(k, a): (usize, &usize)| shaped[..k].iter().any(|b| self.collides(*a, *b));
+        shaped.len() > MANY || shaped.iter().enumerate().any(meets)
+    }
+
     /// Whether two bodies may touch.
     #[must_use]
     pub fn collides(&self, a: usize, b: usize) -> bool {
-        if !self.is_dynamic(a) && !self.is_dynamic(b) {
+        if self.fixed[a] && self.fixed[b] {
             return false;
         }
-        if let Some(collide) = self.pair(a, b).and_then(|p| p.collide) {
-            return collide;
+        if let Some(collides) = self.rules.of(a, b).and_then(PairRule::collides) {
+            return collides;
         }
         let (one, two) = (&self.bodies[a], &self.bodies[b]);
-        one.category & two.mask != 0
-            && two.category & one.mask != 0
-            && !self.jointed.contains(&[a.min(b), a.max(b)])
-    }
-
-    fn pair(&self, a: usize, b: usize) -> Option<&Pair> {
-        self.pairs.get(&[a.min(b), a.max(b)])
+        one.category & two.mask != 0 && two.category & one.mask != 0
     }
 
     /// Pose of a joint's body in `q`; the world's is zero.
@@ -237,6 +244,21 @@ impl Scene {
         let poses = self.joint_poses(joint, &state.q);
         [0, 1].map(|i| pose::point(&poses[i], &self.joints[joint].anchors[i]))
     }
+}
+
+/// What pairs of bodies do differently; each pair once.
+fn compile_pairs(def: &SceneDef, names: &Names) -> Result<Vec<Pair>, SceneError> {
+    let mut pairs: Vec<Pair> = Vec::new();
+    let mut seen = BTreeSet::new();
+    for (i, pair) in def.pairs.iter().enumerate() {
+        let path = format!("pairs[{i}]");
+        let pair = compile_pair(pair, &path, names)?;
+        if !seen.insert(pair.bodies) {
+            return conflict(format!("{path}.bodies"), "this pair is given twice; merge both");
+        }
+        pairs.push(pair);
+    }
+    Ok(pairs)
 }
 
 fn check_settings(def: &SceneDef) -> Result<(), SceneError> {

@@ -4,13 +4,14 @@ use nalgebra::Vector3;
 use tangency_collision::Contact;
 use tangency_lcp::{Guess, Lcp, Pool, Row, Scratch};
 
+use crate::detect::Detection;
 use crate::frames::Frames;
 use crate::guess::Places;
 use crate::island::{Groups, Island};
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::RowSource;
 use crate::rows::Rows;
-use crate::{Stage, State};
+use crate::{Rollout, Stage, State};
 
 /// Memory that is reused between steps; it never changes a result.
 ///
@@ -19,6 +20,7 @@ use crate::{Stage, State};
 #[derive(Debug, Default)]
 pub struct StepScratch {
     pub(crate) lcp: Scratch,
+    pub(crate) detection: Detection,
     pub(crate) frames: Frames,
     pub(crate) rows: Rows,
     pub(crate) groups: Groups,
@@ -50,6 +52,11 @@ impl StepScratch {
         }
         self.vectors.give(after.q);
         self.vectors.give(after.v);
+    }
+
+    /// Takes the memory of a run that is needed no more.
+    pub fn recycle_run(&mut self, run: Rollout) {
+        run.records.into_iter().for_each(|record| self.recycle(record));
     }
 
     fn recycle_islands(&mut self, mut islands: Vec<IslandRecord>) {

@@ -3,6 +3,7 @@
 use tangency_lcp::{LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_checked};
 
 use crate::StepError;
+use crate::guess::guess_likely;
 use crate::island::Island;
 use crate::record::{IslandRecord, Path, StepRecord};
 use crate::row::{RowContext, RowSource, Stage};
@@ -19,18 +20,31 @@ pub(crate) fn solve(
 ) -> Result<Vec<IslandRecord>, StepError> {
     let mut records = scratch.records.take();
     for (index, island) in islands.drain(..).enumerate() {
-        let guessed = before.filter(|_| !island.problem.is_linear());
-        if let Some(before) = guessed {
-            let mut guess = std::mem::take(&mut scratch.guess);
-            let joints = context.scene.joints.len();
-            scratch.places.guess(before, index, &island, joints, &mut guess);
-            scratch.guess = guess;
-        }
-        let record = solve_island(context, solver, island, guessed.is_some(), scratch);
+        let guessed = guess(context, before, index, &island, scratch);
+        let record = solve_island(context, solver, island, guessed, scratch);
         records.push(record.map_err(|(bodies, source)| refusal(context, time, &bodies, source))?);
     }
     scratch.islands.give(islands);
     Ok(records)
+}
+
+/// Whether there is a guess of an island's modes, which is then in `scratch`: from the step before, or of
+/// displacements from what they are to mend.
+fn guess(
+    context: &RowContext<'_>,
+    before: Option<&StepRecord>,
+    index: usize,
+    island: &Island,
+    scratch: &mut StepScratch,
+) -> bool {
+    let StepScratch { places, guess, .. } = scratch;
+    match before {
+        _ if island.problem.is_linear() => return false,
+        Some(before) => places.guess(before, index, island, context.scene.joints.len(), guess),
+        None if !island.stage.is_velocity() => guess_likely(island, guess),
+        None => return false,
+    }
+    true
 }
 
 fn refusal(context: &RowContext<'_>, time: f64, bodies: &[u32], source: LcpError) -> StepError {
@@ -47,6 +61,12 @@ fn wild(stage: Stage) -> f64 {
 /// A later stage counts if its solution is calmer by this much: a lever is no contradiction.
 const CALMER: f64 = 4.0;
 
+/// Joints that are far from contradicting each other move as they must, however fast.
+fn is_lever(island: &Island, solution: &LcpSolution) -> bool {
+    let regular = solution.system.as_ref().is_some_and(|system| system.is_regular());
+    regular && island.problem.is_linear()
+}
+
 /// The record of one island; of a refusal its bodies and the first stage's error.
 fn solve_island(
     context: &RowContext<'_>,
@@ -60,7 +80,8 @@ fn solve_island(
     match solve_checked(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
         Ok((solution, residual))
             if !gives_too_much(context, &island, &solution)
-                && island.problem.is_calm(&solution, wild(island.stage)) =>
+                && (island.problem.is_calm(&solution, wild(island.stage))
+                    || is_lever(&island, &solution)) =>
         {
             Ok(record(island, solution, residual.max()))
         }

@@ -11,7 +11,6 @@ use nalgebra::Vector3;
 use tangency_collision::Contact;
 use tangency_lcp::LcpSolver;
 
-use crate::detect::{Reach, detect, reach};
 use crate::island::{Island, assemble};
 use crate::mend::mend_positions;
 use crate::momentum::momentum_into;
@@ -64,7 +63,7 @@ fn advance(
     scratch: &mut StepScratch,
 ) -> Result<StepRecord, StepError> {
     check_input(scene, state, control)?;
-    let Setup { contacts, islands, momentum, reach } = set_up(scene, state, control, scratch)?;
+    let Setup { contacts, islands, momentum } = set_up(scene, state, control, scratch)?;
     if let Some(before) = before {
         scratch.places.find(before, &contacts);
     }
@@ -75,7 +74,7 @@ fn advance(
     scratch.vectors.give(momentum);
     let control = scratch.copy_control(control);
     let mut record = StepRecord { control, contacts, islands, post: None, after };
-    mend_positions(scene, solver, reach, &mut record, scratch)?;
+    mend_positions(scene, solver, &mut record, scratch)?;
     record.after.check(scene.bodies.len())?;
     Ok(record)
 }
@@ -85,7 +84,6 @@ pub(crate) struct Setup {
     pub(crate) contacts: Vec<Contact>,
     pub(crate) islands: Vec<Island>,
     momentum: Vec<Vector3<f64>>,
-    reach: Reach,
 }
 
 pub(crate) fn set_up(
@@ -99,14 +97,14 @@ pub(crate) fn set_up(
     let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[] };
     let mut momentum = scratch.vectors.take();
     momentum_into(&context, state.time, &mut momentum);
-    let reach = reach(scene, v, &momentum);
-    let contacts = detect(scene, state, reach)?;
+    let mut contacts = scratch.contacts.take();
+    scratch.detection.detect(scene, state, scratch.frames.bodies(), &momentum, &mut contacts)?;
     let context = RowContext { contacts: &contacts, ..context };
     let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(&context, &scratch.frames, reach);
+    rows.list(&context, &scratch.frames, scratch.detection.groups());
     let islands = assemble(&context, &momentum, &mut rows, scratch);
     scratch.rows = rows;
-    Ok(Setup { contacts, islands, momentum, reach })
+    Ok(Setup { contacts, islands, momentum })
 }
 
 /// v⁺ from the islands, or p/m where nothing acts; q⁺ = q + dt v⁺ (semi-implicit Euler).

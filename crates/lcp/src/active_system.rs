@@ -123,7 +123,10 @@ impl ActiveSystem {
         list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
-        self.factor = match metric.pattern(self.rows.len(), width) {
+        let chosen = metric.pattern(self.rows.len(), width, !self.folds.is_empty());
+        // Rows as they come were found cheap.
+        let cheap = chosen.is_none() && metric.has_pattern();
+        self.factor = match chosen {
             Some(pattern) => {
                 equations.gather(problem, metric, self);
                 equations.find_runs(problem, &self.rows);
@@ -132,7 +135,8 @@ impl ActiveSystem {
             None => Factor::None,
         };
         if matches!(self.factor, Factor::None) {
-            let width = order::narrow(problem, &mut self.rows, width, scratch);
+            let width =
+                if cheap { width } else { order::narrow(problem, &mut self.rows, width, scratch) };
             list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
             equations.gather(problem, metric, self);
             self.factor = if self.rows.len() == problem.rows.len() && problem.is_linear() {
@@ -163,6 +167,14 @@ impl ActiveSystem {
     #[must_use]
     pub fn saturated(&self) -> &[(u32, f64)] {
         &self.saturated
+    }
+
+    /// Whether every row is far from depending on the others, so that softer rows would change little;
+    /// known of systems that are eliminated by rows and do not slide.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        const FAR: f64 = 1e-3;
+        matches!(&self.factor, Factor::Symmetric(cholesky) if cholesky.count_below(FAR) == 0)
     }
 
     /// How many active rows depend on the others; then single impulses are not unique.
@@ -205,7 +217,7 @@ impl ActiveSystem {
             }
             None => found.impulses.resize(self.rows.len(), 0.0),
         }
-        self.refine(Side::Forward, &momentum, &rhs, scratch, found);
+        self.refine(Side::Forward, &momentum, &rhs, SURE, scratch, found);
         scratch.vectors.give(momentum);
         scratch.floats.give(rhs);
     }
@@ -214,6 +226,9 @@ impl ActiveSystem {
     /// rows that S cannot tell apart; `None` if the problem is too large for it.
     #[must_use]
     pub fn solve_stiff(&self, problem: &Lcp) -> Option<Reduced> {
+        if !saddle::takes(problem.mass.len(), self.rows.len()) {
+            return None;
+        }
         let mut momentum = problem.momentum.clone();
         for &(row, impulse) in &self.saturated {
             problem.rows[row as usize].add_transposed(impulse, &mut momentum);
@@ -301,7 +316,9 @@ impl ActiveSystem {
         weighted.extend(rhs.iter().zip(&self.inverse).map(|(b, inverse)| b * inverse));
         found.impulses.clear();
         found.impulses.resize(self.rows.len(), 0.0);
-        self.refine(side, momentum, &weighted, scratch, found);
+        // Derivatives along dependent rows are worth every sweep.
+        let sure = if self.rank_defect == 0 { SURE } else { 0.0 };
+        self.refine(side, momentum, &weighted, sure, scratch, found);
         if found.defect > STIFF || found.defect.is_nan() {
             let stiff = self.refine_stiff(&scratch.equations, side, momentum, &weighted);
             if let Some(stiff) = stiff.filter(|stiff| stiff.defect < found.defect) {
@@ -324,12 +341,14 @@ impl ActiveSystem {
         Some(found)
     }
 
-    /// Sweeps from the impulses ŷ that are in `found`; leaves true impulses.
+    /// Sweeps from the impulses ŷ that are in `found`; leaves true impulses. A defect that the next sweep
+    /// would bring below `sure` is not looked at.
     fn refine(
         &self,
         side: Side,
         momentum: &[Vector3<f64>],
         rhs: &[f64],
+        sure: f64,
         scratch: &mut Scratch,
         found: &mut Reduced,
     ) {
@@ -359,7 +378,7 @@ impl ActiveSystem {
             equations.add_impulses(side, &r, &mut z);
             equations.advance(&mut z, v);
             let ahead = defect * (defect / previous);
-            if sweep > 0 && ahead <= SURE * scale {
+            if sweep > 0 && ahead <= sure * scale {
                 defect = ahead;
                 break;
             }

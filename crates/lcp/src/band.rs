@@ -180,11 +180,20 @@ pub struct Lu {
 impl Lu {
     /// Factors; pivots smaller than `floor` are replaced by it, with their sign.
     #[must_use]
+    pub fn new(matrix: BandMatrix, floor: f64) -> Self {
+        Self::in_memory(matrix, floor, (Vec::new(), Vec::new()))
+    }
+
+    /// The same in memory that is used again.
     #[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
-    pub fn new(mut matrix: BandMatrix, floor: f64) -> Self {
+    pub(crate) fn in_memory(
+        mut matrix: BandMatrix,
+        floor: f64,
+        (mut exchanged, mut last): (Vec<u32>, Vec<u32>),
+    ) -> Self {
         let n = matrix.n;
-        let mut last: Vec<u32> = (0..n).map(|i| matrix.columns(i).end as u32).collect();
-        let mut exchanged = vec![0; n];
+        last.extend((0..n).map(|i| matrix.columns(i).end as u32));
+        exchanged.resize(n, 0);
         for k in 0..n {
             let below = (k + matrix.lower + 1).min(n);
             let pivot = pivot_row(&matrix, k, below);
@@ -207,8 +216,8 @@ impl Lu {
     }
 
     /// Its memory.
-    pub(crate) fn into_memory(self) -> Vec<f64> {
-        self.matrix.data
+    pub(crate) fn into_memory(self) -> (Vec<f64>, Vec<u32>, Vec<u32>) {
+        (self.matrix.data, self.exchanged, self.last)
     }
 
     /// Pivots in order of elimination.

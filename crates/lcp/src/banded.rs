@@ -63,7 +63,7 @@ fn solve_in<const W: usize>(
             break;
         }
     }
-    let momentum = sweep.momentum_defect(problem, metric);
+    let momentum = sweep.momentum_defect(problem, metric, scratch);
     let equality = metric.relative(worst);
     let cholesky = Cholesky::factored(BandMatrix::narrow(n, W - 1, band), inverse);
     let mut system = scratch.system();
@@ -153,32 +153,28 @@ impl Sweep {
     }
 
     /// As [`Residual::momentum`].
-    fn momentum_defect(&mut self, problem: &Lcp, metric: &Metric) -> f64 {
+    fn momentum_defect(&mut self, problem: &Lcp, metric: &Metric, scratch: &mut Scratch) -> f64 {
         let Metric { equations, scale, .. } = metric;
-        let (balance, acting) = (&mut self.z, &mut self.r);
+        let balance = &mut self.z;
         balance.fill(Vector3::zeros());
-        acting.clear();
-        acting.resize(3 * balance.len(), 0.0);
+        let mut acting = scratch.vectors.filled(balance.len(), Vector3::zeros());
         for (row, y) in equations.rows.iter().zip(&self.y) {
             for (body, jacobian) in row.bodies.iter().zip(&row.jacobian) {
                 let (body, change) = (*body as usize, jacobian * *y);
                 balance[body] += change;
-                for k in 0..3 {
-                    acting[3 * body + k] += change[k].abs();
-                }
+                acting[body] += change.abs();
             }
         }
-        let unit = metric.unit();
-        let mut worst = 0.0_f64;
+        let (unit, mut worst) = (metric.unit(), 0.0_f64);
         for (body, p) in problem.momentum.iter().enumerate() {
             let held = problem.mass[body].component_mul(&self.v[body]);
             let defect = metric.weighted_momentum(body, &(held - p - balance[body] * unit));
-            let root = metric.weighted_momentum(body, &Vector3::repeat(unit));
+            let acting = metric.weighted_momentum(body, &(acting[body] * unit));
             for k in 0..3 {
-                let scale = scale + ROUNDING * acting[3 * body + k] * root[k];
-                worst = worst.max(quotient(defect[k].abs(), scale));
+                worst = worst.max(quotient(defect[k].abs(), scale + ROUNDING * acting[k]));
             }
         }
+        scratch.vectors.give(acting);
         worst
     }
 

@@ -77,7 +77,8 @@ impl Factor {
             let memory = (scratch.indices.take(), scratch.floats.take());
             Self::Symmetric(Cholesky::in_memory(S, 0.25 * epsilon, memory))
         } else {
-            Self::General(Lu::new(S, 1e-3 * epsilon))
+            let memory = (scratch.indices.take(), scratch.indices.take());
+            Self::General(Lu::in_memory(S, 1e-3 * epsilon, memory))
         }
     }
 
@@ -91,7 +92,12 @@ impl Factor {
                 scratch.indices.give(first);
                 scratch.floats.give(inverse);
             }
-            Self::General(lu) => scratch.floats.give(lu.into_memory()),
+            Self::General(lu) => {
+                let (matrix, exchanged, last) = lu.into_memory();
+                scratch.floats.give(matrix);
+                scratch.indices.give(exchanged);
+                scratch.indices.give(last);
+            }
             Self::Bodies(factor) => factor.give(scratch),
         }
     }

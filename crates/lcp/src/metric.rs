@@ -147,12 +147,18 @@ impl Metric {
         }
     }
 
+    /// Whether eliminating bodies was thought of.
+    pub(crate) fn has_pattern(&self) -> bool {
+        self.pattern.is_some()
+    }
+
     /// How to eliminate bodies if that is cheaper than a band of `rows` rows of this half-width.
     ///
-    /// Counted are multiplications: of a factorisation and of three sweeps.
-    pub(crate) fn pattern(&self, rows: usize, width: usize) -> Option<&Arc<Pattern>> {
+    /// Counted are multiplications: of a factorisation and of three sweeps. Where friction slides, rows
+    /// need both triangles and room for exchanges.
+    pub(crate) fn pattern(&self, rows: usize, width: usize, slides: bool) -> Option<&Arc<Pattern>> {
         let pattern = self.pattern.as_ref()?;
-        let by_rows = rows * (width * width / 2 + 12 * width + 36);
+        let by_rows = rows * (width * width / 2 + 12 * width + 36) * if slides { 4 } else { 1 };
         let sweep = 18 * (pattern.bodies() + 2 * pattern.blocks()) + 24 * rows;
         let by_bodies = 27 * (pattern.bodies() + pattern.products() + rows) + 3 * sweep;
         (by_bodies < by_rows).then_some(pattern)

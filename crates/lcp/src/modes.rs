@@ -46,9 +46,8 @@ impl Reading<'_> {
 
     /// As [`modes`](Self::modes), but a row keeps its mode while it violates it by less than
     /// `slack` · s*.
-    pub(crate) fn corrected(&self, modes: &[Mode], slack: f64) -> Vec<Mode> {
+    pub(crate) fn correct(&self, modes: &[Mode], slack: f64, next: &mut Vec<Mode>) {
         let slack = slack * self.metric.scale;
-        let mut next: Vec<Mode> = Vec::with_capacity(modes.len());
         for (i, row) in self.problem.rows.iter().enumerate() {
             let (y, u) = self.scaled(i);
             let mode = match (row.law, modes[i]) {
@@ -62,7 +61,6 @@ impl Reading<'_> {
             };
             next.push(mode);
         }
-        next
     }
 
     fn corrected_bounded(&self, row: usize, mode: Mode, slack: f64) -> Mode {

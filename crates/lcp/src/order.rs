@@ -45,7 +45,7 @@ pub(crate) fn narrow(
     natural: usize,
     scratch: &mut Scratch,
 ) -> usize {
-    if rows.len() <= SMALL || 4 * natural <= SMALL {
+    if rows.len() <= SMALL || 2 * natural <= SMALL {
         return natural;
     }
     let position = cuthill_mckee(problem, rows);

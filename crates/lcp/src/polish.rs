@@ -56,12 +56,16 @@ impl Polished {
         self.residual.max()
     }
 
-    /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual.
+    /// Rounding of impulses ŷ relative to s*: no double-precision candidate has a smaller residual. Along
+    /// rows that depend on each other it is larger, the more the more of them share a load.
     #[must_use]
     pub fn rounding(&self, metric: &Metric) -> f64 {
+        let depends = |system: &Arc<ActiveSystem>| system.rank_defect() > 0;
+        let dependent = self.solution.system.as_ref().is_some_and(depends);
+        let digits = if dependent { 256.0 } else { 4.0 };
         let impulses = self.solution.impulses.iter().enumerate();
         let scaled = impulses.map(|(row, impulse)| metric.impulse(row, impulse.abs()));
-        metric.relative(4.0 * f64::EPSILON * scaled.fold(0.0, f64::max)).min(MOST_ROUNDING)
+        metric.relative(digits * f64::EPSILON * scaled.fold(0.0, f64::max)).min(MOST_ROUNDING)
     }
 
     fn better(self, other: Option<Self>) -> Self {
@@ -170,37 +174,44 @@ impl Polish<'_> {
         self.released(found, scratch)
     }
 
-    /// The best candidate of a chain of corrections from `best`, which has these modes.
+    /// The best candidate of a chain of corrections from `first`, which has these modes.
     fn corrected(
         &self,
-        mut best: Polished,
+        first: Polished,
         modes: &[Mode],
         start: Option<&[f64]>,
         scratch: &mut Scratch,
     ) -> Polished {
-        let mut modes = modes.to_vec();
-        let mut seen: Vec<Vec<Mode>> = Vec::new();
+        let mut chain = Chain { best: first, last: None };
+        let mut seen = std::mem::take(&mut scratch.seen);
+        let mut modes = scratch.copy_modes(modes);
+        let mut factorisations = chain.best.solution.stats.factorisations;
         let mut single = false;
-        let mut last = best.clone();
-        let mut factorisations = last.solution.stats.factorisations;
         for _ in 0..self.max_flips {
-            if self.reached(&best) {
+            if self.reached(&chain.best) {
                 break;
             }
-            let reading = self.reading(&last.solution.impulses, &last.solution.slacks);
-            let mut next = reading.corrected(&modes, KEEP);
+            let mut next = scratch.modes.take();
+            let solution = &chain.last().solution;
+            let reading = self.reading(&solution.impulses, &solution.slacks);
+            reading.correct(&modes, KEEP, &mut next);
             single |= seen.contains(&next);
             if single {
-                next = last_correction(&modes, &next);
+                keep_last_correction(&modes, &mut next);
             }
-            if next == modes {
+            let settled = next == modes;
+            seen.push(std::mem::replace(&mut modes, next));
+            if settled {
                 break;
             }
-            seen.push(std::mem::replace(&mut modes, next));
-            last = self.evaluate(&modes, start, scratch);
-            factorisations += last.solution.stats.factorisations;
-            best = last.clone().better(Some(best));
+            let candidate = self.evaluate(&modes, start, scratch);
+            factorisations += candidate.solution.stats.factorisations;
+            chain.add(candidate, scratch);
         }
+        seen.push(modes);
+        seen.drain(..).for_each(|modes| scratch.modes.give(modes));
+        scratch.seen = seen;
+        let mut best = chain.end(scratch);
         best.solution.stats.factorisations = factorisations;
         best
     }
@@ -214,7 +225,11 @@ impl Polish<'_> {
         let least = self.candidate(&system, modes, None, scratch);
         match start {
             Some(start) if system.rank_defect() > 0 && !self.reached(&least) => {
-                self.candidate(&system, modes, Some(start), scratch).better(Some(least))
+                let near = self.candidate(&system, modes, Some(start), scratch);
+                let (kept, dropped) =
+                    if least.max() <= near.max() { (least, near) } else { (near, least) };
+                scratch.recycle(dropped.solution);
+                kept
             }
             _ => least,
         }
@@ -345,13 +360,43 @@ impl Polish<'_> {
     }
 }
 
-/// Only the last difference between `modes` and `next`.
-fn last_correction(modes: &[Mode], next: &[Mode]) -> Vec<Mode> {
-    let mut corrected = modes.to_vec();
-    if let Some(row) = (0..modes.len()).rev().find(|&row| modes[row] != next[row]) {
-        corrected[row] = next[row];
+/// Candidates one after another: the best and, if it is another, the last.
+struct Chain {
+    best: Polished,
+    last: Option<Polished>,
+}
+
+impl Chain {
+    fn last(&self) -> &Polished {
+        self.last.as_ref().unwrap_or(&self.best)
     }
-    corrected
+
+    fn add(&mut self, candidate: Polished, scratch: &mut Scratch) {
+        let dropped = if candidate.max() < self.best.max() {
+            let before = std::mem::replace(&mut self.best, candidate);
+            scratch.recycle(before.solution);
+            self.last.take()
+        } else {
+            self.last.replace(candidate)
+        };
+        if let Some(dropped) = dropped {
+            scratch.recycle(dropped.solution);
+        }
+    }
+
+    fn end(self, scratch: &mut Scratch) -> Polished {
+        if let Some(last) = self.last {
+            scratch.recycle(last.solution);
+        }
+        self.best
+    }
+}
+
+/// Leaves only the last difference between `modes` and `next`.
+fn keep_last_correction(modes: &[Mode], next: &mut [Mode]) {
+    if let Some(row) = (0..modes.len()).rev().find(|&row| modes[row] != next[row]) {
+        next[..row].copy_from_slice(&modes[..row]);
+    }
 }
 
 /// The modes that the reduced system really has: equalities active, friction of open contacts open.

@@ -24,6 +24,11 @@ const DEPENDENT: f64 = 1e-12;
 const MOST_UNKNOWNS: usize = 200;
 const SWEEPS: usize = 3;
 
+/// Whether the system of so many bodies and rows is small enough.
+pub(crate) fn takes(bodies: usize, rows: usize) -> bool {
+    3 * bodies + rows <= MOST_UNKNOWNS
+}
+
 /// Solves for (v, ŷ) from (p/μ, b̂) in a few sweeps; `None` if the system is too large or the
 /// decomposition fails.
 pub(crate) fn solve(
@@ -73,7 +78,7 @@ struct Saddle {
 impl Saddle {
     fn new(equations: &Equations) -> Option<Self> {
         let (n, m) = (3 * equations.mass.len(), equations.rows.len());
-        if n + m > MOST_UNKNOWNS {
+        if !takes(equations.mass.len(), m) {
             return None;
         }
         let mut K = DMatrix::zeros(n + m, n + m);

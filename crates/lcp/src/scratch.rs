@@ -26,6 +26,8 @@ pub struct Scratch {
     pub(crate) blocks: Pool<Block>,
     pub(crate) equations: Equations,
     pub(crate) spans: Vec<u32>,
+    /// Empty between polishes.
+    pub(crate) seen: Vec<Vec<Mode>>,
     systems: Vec<Arc<ActiveSystem>>,
     metrics: Vec<Metric>,
     patterns: Patterns,
@@ -41,6 +43,13 @@ impl Scratch {
         if let Some(system) = solution.system {
             self.give_system(system);
         }
+    }
+
+    /// A copy of modes.
+    pub(crate) fn copy_modes(&mut self, modes: &[Mode]) -> Vec<Mode> {
+        let mut copy = self.modes.take();
+        copy.extend_from_slice(modes);
+        copy
     }
 
     /// An active system of whatever came before.

@@ -2,6 +2,7 @@
 
 mod support;
 
+mod detector;
 mod flush;
 mod impact;
 mod jets;

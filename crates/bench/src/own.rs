@@ -1,0 +1,120 @@
+//! This engine among those that are timed.
+
+use tangency_core::lcp::LcpSolver;
+use tangency_core::{
+    Correction, Scene, SceneDef, Stabilisation, State, StepRecord, StepScratch, next_step,
+    rollout_in, step,
+};
+use tangency_diff::gradient_adding;
+
+use crate::engine::{Engine, Refusal, ValueAndGradient, World};
+use crate::paths::Paths;
+
+/// How joint errors are removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Joints {
+    /// As the scene says; by default within the velocity solve, to first order.
+    AsDefined,
+    /// By a projection after every move.
+    Projected,
+}
+
+/// This engine on one backend.
+pub struct Tangency {
+    /// The backend's name.
+    pub backend: &'static str,
+    /// The backend.
+    pub solver: Box<dyn LcpSolver>,
+    /// How joint errors are removed.
+    pub joints: Joints,
+}
+
+impl Tangency {
+    /// The scene as this variant runs it.
+    ///
+    /// # Errors
+    /// [`Refusal::Scene`].
+    pub fn scene(&self, def: &SceneDef) -> Result<Scene, Refusal> {
+        let mut def = def.clone();
+        if self.joints == Joints::Projected {
+            def.stabilisation = Stabilisation { joints: Correction::Post, ..def.stabilisation };
+        }
+        Ok(Scene::new(&def)?)
+    }
+}
+
+impl Engine for Tangency {
+    fn name(&self) -> String {
+        match self.joints {
+            Joints::AsDefined => format!("tangency {}", self.backend),
+            Joints::Projected => format!("tangency {}, projected", self.backend),
+        }
+    }
+
+    fn settings(&self) -> String {
+        let joints = match self.joints {
+            Joints::AsDefined => "joint errors removed within the velocity solve",
+            Joints::Projected => "joint errors removed by a projection after every move",
+        };
+        format!("backend {}; residual ≤ 1e-10 in every step; {joints}", self.backend)
+    }
+
+    fn build(&self, def: &SceneDef) -> Result<Box<dyn World + '_>, Refusal> {
+        let scene = self.scene(def)?;
+        let control = vec![0.0; scene.controls().len()];
+        let (last, scratch) = (None, StepScratch::default());
+        Ok(Box::new(OwnWorld { scene, solver: &*self.solver, control, last, scratch }))
+    }
+
+    fn value_and_gradient(
+        &self,
+        def: &SceneDef,
+        steps: usize,
+    ) -> Result<Option<ValueAndGradient<'_>>, Refusal> {
+        let scene = self.scene(def)?;
+        let (zeros, mut scratch) = (vec![0.0; scene.controls().len()], StepScratch::default());
+        Ok(Some(Box::new(move || {
+            let (initial, control) = (scene.initial_state(), |_: usize, _: &State| zeros.clone());
+            let run = rollout_in(&scene, &*self.solver, initial, steps, control, &mut scratch)?;
+            let by = gradient_adding(&scene, &run, |k, _, bar| {
+                if let Some(q) = bar.q.last_mut().filter(|_| k == steps) {
+                    q.x += 1.0;
+                }
+            })?;
+            std::hint::black_box(&by);
+            let value = run.last().q.last().map_or(0.0, |q| q.x);
+            scratch.recycle_run(run);
+            Ok(value)
+        })))
+    }
+
+    fn paths(&self, def: &SceneDef, steps: usize) -> Option<Paths> {
+        Paths::of(&self.scene(def).ok()?, &*self.solver, steps).ok()
+    }
+}
+
+struct OwnWorld<'a> {
+    scene: Scene,
+    solver: &'a dyn LcpSolver,
+    control: Vec<f64>,
+    last: Option<StepRecord>,
+    scratch: StepScratch,
+}
+
+impl World for OwnWorld<'_> {
+    fn step(&mut self) -> Result<(), Refusal> {
+        let Self { scene, solver, control, last, scratch } = self;
+        let record = match last {
+            Some(before) => next_step(scene, *solver, before, control, scratch)?,
+            None => step(scene, *solver, &scene.initial_state(), control, scratch)?,
+        };
+        if let Some(before) = last.replace(record) {
+            scratch.recycle(before);
+        }
+        Ok(())
+    }
+
+    fn state(&self) -> State {
+        self.last.as_ref().map_or_else(|| self.scene.initial_state(), |last| last.after.clone())
+    }
+}

@@ -1,0 +1,120 @@
+//! What is measured, and how long.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use tangency::{BACKENDS, backend, solvers_at};
+use tangency_bench::engine::Engine;
+use tangency_bench::own::{Joints, Tangency};
+use tangency_bench::recorded::Candidate;
+use tangency_bench::timing::Patience;
+
+use super::{Arguments, Part};
+
+/// What is measured, and how long.
+pub(super) struct Plan {
+    parts: Vec<Part>,
+    pub(super) quick: bool,
+    pub(super) scenes: PathBuf,
+    /// Of times per step.
+    pub(super) patience: Patience,
+    /// Of runs over the time step.
+    pub(super) sweep: Patience,
+    /// Of sizes.
+    pub(super) growth: Patience,
+    pub(super) longest_chain: usize,
+    pub(super) most_rows: usize,
+    /// Halvings of dt from 1/30 s.
+    pub(super) halvings: i32,
+    /// Base of the pyramid in the sweep.
+    pub(super) base: usize,
+    /// Steps of every scene whose problems are recorded, and most problems that are kept of it.
+    pub(super) recorded: (usize, usize),
+}
+
+fn patience(rounds: usize, sample: u64, cap: u64) -> Patience {
+    let [sample, cap] = [sample, cap].map(Duration::from_millis);
+    Patience { rounds, sample, cap }
+}
+
+impl Plan {
+    pub(super) fn new(arguments: &Arguments) -> Self {
+        let (parts, scenes) = (arguments.only.clone(), arguments.scenes.clone());
+        if arguments.quick {
+            Self {
+                parts,
+                quick: true,
+                scenes,
+                patience: patience(3, 1, 30),
+                sweep: patience(3, 1, 20),
+                growth: patience(3, 1, 60),
+                longest_chain: 200,
+                most_rows: 10,
+                halvings: 5,
+                base: 4,
+                recorded: (30, 5),
+            }
+        } else {
+            Self {
+                parts,
+                quick: false,
+                scenes,
+                patience: patience(9, 10, 250),
+                sweep: patience(7, 2, 150),
+                growth: patience(5, 5, 1500),
+                longest_chain: 10_000,
+                most_rows: 99,
+                halvings: 12,
+                base: 10,
+                recorded: (150, 40),
+            }
+        }
+    }
+
+    /// Whether a part was asked for.
+    pub(super) fn has(&self, part: Part) -> bool {
+        self.parts.is_empty() || self.parts.contains(&part)
+    }
+}
+
+/// Backends that take scenes of any size.
+fn backends() -> impl Iterator<Item = &'static str> {
+    BACKENDS.iter().copied().filter(|name| *name != "lemke")
+}
+
+/// This engine: every backend with joints as defined, and the first with joints projected.
+pub(super) fn own() -> Vec<Tangency> {
+    let on = |name, joints| backend(name).map(|solver| Tangency { backend: name, solver, joints });
+    let projected = backends().next().and_then(|name| on(name, Joints::Projected));
+    let mut all: Vec<Tangency> =
+        backends().filter_map(|name| on(name, Joints::AsDefined)).collect();
+    all.extend(projected);
+    all
+}
+
+/// Other engines of this build: in the sweep fewer settings of each.
+#[cfg(feature = "peers")]
+pub(super) fn peers(sweep: bool) -> Vec<Box<dyn Engine>> {
+    use tangency_bench::peers::{Phyz, Rapier};
+    let iterations: &[usize] = if sweep { &[4, 16] } else { &[1, 4, 16, 64] };
+    let rapiers = iterations.iter().map(|n| Box::new(Rapier { iterations: *n }) as Box<dyn Engine>);
+    rapiers.chain([Box::new(Phyz) as Box<dyn Engine>]).collect()
+}
+
+/// Other engines of this build: none.
+#[cfg(not(feature = "peers"))]
+pub(super) fn peers(_sweep: bool) -> Vec<Box<dyn Engine>> {
+    Vec::new()
+}
+
+/// Tolerances at which solvers are compared; the last is the default.
+const TOLERANCES: [f64; 4] = [1e-3, 1e-6, 1e-9, 1e-12];
+
+/// The solvers of this build at several tolerances.
+pub(super) fn candidates() -> Vec<Candidate> {
+    let at = |tolerance: f64| {
+        let solvers = solvers_at(tolerance).into_iter();
+        solvers.map(move |solver| Candidate { name: solver.name(), tolerance, solver })
+    };
+    TOLERANCES.into_iter().flat_map(at).collect()
+}
