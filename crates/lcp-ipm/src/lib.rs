@@ -6,10 +6,12 @@
 //! problems without physics.
 
 mod feasibility;
+mod iterate;
 mod mehrotra;
 mod newton;
 mod raw;
 mod solve;
+mod system;
 
 pub use raw::solve_raw;
 pub use solve::InteriorPoint;

@@ -1,12 +1,13 @@
 //! Raw problems: the interior point, polished as soon as it shows the active set; then Lemke's
 //! method, polished.
 
-use tangency_lcp::{LcpError, RawLcp, RawPolish, RawSolution, RawSolver};
+use tangency_lcp::{LcpError, RawLcp, RawPolish, RawSolution, RawSolver, Scratch};
 use tangency_lcp_lemke::candidates;
 
 use crate::InteriorPoint;
 use crate::feasibility::least_violation;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
+use crate::system::RowSystem;
 
 impl RawSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -52,10 +53,12 @@ struct RawSearch<'a> {
 impl RawSearch<'_> {
     fn interior(&mut self, pace: Pace) -> bool {
         let before = self.iterations;
-        let mut path = Loop::new(self.polish.form(), pace);
+        let form = self.polish.form().clone();
+        let (mut system, mut scratch) = (RowSystem::new(&form), Scratch::default());
+        let mut path = Loop::new(&mut system, pace, &mut scratch);
         let mut tried: Vec<bool> = Vec::new();
         while path.iterations < self.settings.max_iterations && !self.polish.reached() {
-            let going = path.advance();
+            let going = path.advance(&mut scratch);
             let y = if going { path.y() } else { path.best_y() };
             self.iterations = before + path.iterations;
             let active = self.polish.active(y);

@@ -1,19 +1,20 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode, Polish,
-    Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
+    BodySystem, BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode,
+    Polish, Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
 };
 use tangency_lcp_lemke::candidates;
 
 use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
+use crate::system::{RowSystem, System};
 
 /// Interior-point solver with active-set polish.
 ///
 /// Stages, each tried only if the one before left a residual above `tolerance`: the guess through the
-/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully,
-/// polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
+/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully, with
+/// the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
 /// contradicting rows, and the last resorts: a walk along the active sets from projected Gauss–Seidel's
 /// iterate; Lemke's method on the rows in play and on all, for problems of moderate size; the
 /// interior point with a more patient polish; all modes of the few rows that are most in doubt. A
@@ -28,6 +29,9 @@ pub struct InteriorPoint {
     pub max_iterations: u32,
     /// Greatest number of mode corrections per attempt of the active-set loop. Default 8.
     pub max_flips: u32,
+    /// Whether modes read at the free velocities are tried before the interior point, which they
+    /// often make unnecessary. Default true.
+    pub cold_modes: bool,
     /// Whether the last stages are preceded by a test for conflicting constraints, which costs two
     /// solves of an easier problem. Default true.
     pub tell_infeasible: bool,
@@ -35,11 +39,23 @@ pub struct InteriorPoint {
 
 impl Default for InteriorPoint {
     fn default() -> Self {
-        let (tolerance, acceptance) = (1e-12, 1e-10);
-        Self { tolerance, acceptance, max_iterations: 60, max_flips: 8, tell_infeasible: true }
+        Self {
+            tolerance: 1e-12,
+            acceptance: 1e-10,
+            max_iterations: 60,
+            max_flips: 8,
+            cold_modes: true,
+            tell_infeasible: true,
+        }
     }
 }
 
+/// Natural residual, of unknowns of about one, below which iterates are polished with all means.
+const NEAR_END: f64 = 0.01;
+/// Mode corrections of a polish before that.
+const GLANCE_FLIPS: u32 = 4;
+/// Above this number of rows, their own matrix is not formed.
+const MOST_ROWS: usize = 2000;
 /// Contacts that part faster than this, relative to s*, are out of play.
 const NEAR: f64 = 1e-2;
 /// Sweeps after which rows count as in play or not.
@@ -84,37 +100,48 @@ struct Search<'a> {
 impl Search<'_> {
     fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
         self.stats.method = Method::ActiveSet;
-        if guess.is_some_and(|guess| self.warm(guess)) || self.cold() {
+        if guess.is_some_and(|guess| self.warm(guess)) || self.settings.cold_modes && self.cold() {
             return self.finish();
         }
-        let form = BoxForm::of_rows(self.polish.problem, self.polish.metric);
         self.stats.method = Method::InteriorPoint;
-        if self.interior(&form, BOLD) || self.interior(&form, CAREFUL) || self.is_accepted() {
+        if self.by_bodies() || self.is_accepted() {
+            return self.finish();
+        }
+        let Polish { problem, metric, .. } = self.polish;
+        let form = (problem.rows.len() <= MOST_ROWS).then(|| BoxForm::of_rows(problem, metric));
+        let found = form.as_ref().is_some_and(|form| {
+            self.by_rows(form, BOLD) || self.by_rows(form, CAREFUL) || self.is_accepted()
+        });
+        if found {
             return self.finish();
         }
         if let Some(residual) = self.conflict() {
             return Err(LcpError::Infeasible { residual });
         }
-        let _ = self.last_resorts(&form);
+        let _ = self.last_resorts(form.as_ref());
         self.finish()
     }
 
     /// Ends with the first stage that leaves an acceptable residual.
-    fn last_resorts(&mut self, form: &BoxForm) -> bool {
+    fn last_resorts(&mut self, form: Option<&BoxForm>) -> bool {
         let usual = self.polish;
         if self.walk() || self.is_accepted() {
             return true;
         }
-        self.polish = Polish { max_flips: 5 * usual.max_flips, near_miss: 1.0, ..usual };
+        let found = form.is_some_and(|form| self.patient(form));
+        self.polish = usual;
+        found || self.enumerated()
+    }
+
+    /// Pivoting and the interior point by rows, with a more patient polish.
+    fn patient(&mut self, form: &BoxForm) -> bool {
+        self.polish.max_flips *= 5;
+        self.polish.near_miss = 1.0;
         if self.pivoting(form) || self.is_accepted() {
             return true;
         }
         self.stats.method = Method::InteriorPoint;
-        if self.interior(form, CAREFUL) || self.is_accepted() {
-            return true;
-        }
-        self.polish = usual;
-        self.enumerated()
+        self.by_rows(form, CAREFUL) || self.is_accepted()
     }
 
     fn is_accepted(&self) -> bool {
@@ -233,38 +260,80 @@ impl Search<'_> {
         })
     }
 
-    fn interior(&mut self, form: &BoxForm, pace: Pace) -> bool {
+    /// The interior point with the rows eliminated.
+    fn by_bodies(&mut self) -> bool {
+        let Polish { problem, metric, .. } = self.polish;
+        let Some(mut system) = BodySystem::new(problem, metric, self.scratch) else { return false };
+        let found = self.interior(&mut system, BOLD) || self.interior(&mut system, CAREFUL);
+        system.give(self.scratch);
+        found
+    }
+
+    /// The interior point on the rows' own matrix.
+    fn by_rows(&mut self, form: &BoxForm, pace: Pace) -> bool {
+        self.interior(&mut RowSystem::new(form), pace)
+    }
+
+    fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
         let before = self.stats.iterations;
-        let mut path = Loop::new(form, pace);
-        let mut tried: Option<Vec<Mode>> = None;
-        while path.iterations < self.settings.max_iterations {
-            let going = path.advance();
+        let mut path = Loop::new(system, pace, self.scratch);
+        let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
+        let mut found = false;
+        while !found && path.iterations < self.settings.max_iterations {
+            let going = path.advance(self.scratch);
             self.stats.factorisations += 1;
             self.stats.iterations = before + path.iterations;
-            let y = if going { path.y() } else { path.best_y() };
-            if (path.best < 0.1 || !going) && self.polish_at(form, y, &mut tried) {
-                return true;
-            }
+            found = if path.best < NEAR_END || !going {
+                let y = if going { path.y() } else { path.best_y() };
+                self.polish_at(path.system, y, &mut tried)
+            } else {
+                path.settled && self.glance(&path, &mut glanced)
+            };
             if !going {
                 break;
             }
         }
-        false
+        path.give(self.scratch);
+        self.scratch.modes.give(glanced);
+        found
     }
 
-    /// Polishes the iterate if it shows modes that the last attempt did not.
-    fn polish_at(&mut self, form: &BoxForm, y: &[f64], tried: &mut Option<Vec<Mode>>) -> bool {
-        let impulses = form.impulses(y);
+    /// A short polish of modes that the path shows early and did not show before.
+    fn glance<S: System>(&mut self, path: &Loop<S>, glanced: &mut Vec<Mode>) -> bool {
+        let (mut modes, mut impulses) = (self.scratch.modes.take(), self.scratch.floats.take());
+        path.list_modes(&mut modes);
+        let known = modes == *glanced;
+        if !known {
+            path.system.impulses(path.y(), &mut impulses);
+        }
+        let polish = Polish { max_flips: GLANCE_FLIPS, near_miss: 0.0, ..self.polish };
+        let found = !known && {
+            let candidate = polish.modes(&modes, Some(&impulses), self.scratch);
+            self.offer(candidate)
+        };
+        self.scratch.floats.give(impulses);
+        self.scratch.modes.give(std::mem::replace(glanced, modes));
+        found
+    }
+
+    /// Polishes an iterate near the end if it shows modes that the last attempt did not.
+    fn polish_at<S: System>(
+        &mut self,
+        system: &S,
+        y: &[f64],
+        tried: &mut Option<Vec<Mode>>,
+    ) -> bool {
+        let mut impulses = self.scratch.floats.take();
+        system.impulses(y, &mut impulses);
         let velocities = self.polish.problem.velocities(&impulses);
         let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
         let modes = self.polish.read_modes(&approximate);
-        if tried.as_ref() == Some(&modes) {
-            return false;
-        }
+        let known = tried.as_ref() == Some(&modes);
         *tried = Some(modes);
-        self.polish
-            .approximate(&approximate, self.scratch)
-            .is_some_and(|candidate| self.offer(candidate))
+        let polished =
+            if known { None } else { self.polish.approximate(&approximate, self.scratch) };
+        self.scratch.recycle(approximate);
+        polished.is_some_and(|candidate| self.offer(candidate))
     }
 
     fn finish(self) -> Result<LcpSolution, LcpError> {

@@ -59,27 +59,37 @@ impl BlockFactor {
         if equations.folds_are_foreign() {
             return None;
         }
-        let (bodies, blocks) = (pattern.bodies(), pattern.blocks());
-        let coupled = if equations.folds.is_empty() { 0 } else { blocks };
-        let memory = &mut scratch.blocks;
-        let mut factor = Self {
-            pattern: Arc::clone(pattern),
-            diagonal: memory.filled(bodies, [0.0; 9]),
-            lower: memory.filled(blocks, [0.0; 9]),
-            upper: memory.filled(coupled, [0.0; 9]),
-            free: 0,
-        };
-        let mut column = memory.take();
-        factor.add_masses(equations);
+        let mut factor = Self::zeros(pattern, !equations.folds.is_empty(), scratch);
+        factor.add_masses(&equations.mass);
         factor.add_rows(equations);
         factor.add_folds(equations);
-        factor.factor(&mut column);
-        memory.give(column);
-        if factor.count_free(equations) {
+        factor.factor(scratch);
+        if factor.count_free(&equations.mass) {
             return Some(factor);
         }
         factor.give(scratch);
         None
+    }
+
+    /// K = 0; symmetric unless `coupled`.
+    pub(crate) fn zeros(pattern: &Arc<Pattern>, coupled: bool, scratch: &mut Scratch) -> Self {
+        let (bodies, blocks) = (pattern.bodies(), pattern.blocks());
+        let memory = &mut scratch.blocks;
+        Self {
+            pattern: Arc::clone(pattern),
+            diagonal: memory.filled(bodies, [0.0; 9]),
+            lower: memory.filled(blocks, [0.0; 9]),
+            upper: memory.filled(if coupled { blocks } else { 0 }, [0.0; 9]),
+            free: 0,
+        }
+    }
+
+    /// K ← 0, to be filled again.
+    pub(crate) fn clear(&mut self) {
+        for blocks in [&mut self.diagonal, &mut self.lower, &mut self.upper] {
+            blocks.fill([0.0; 9]);
+        }
+        self.free = 0;
     }
 
     /// Gives its memory back.
@@ -117,8 +127,9 @@ impl BlockFactor {
         scratch.floats.give(along);
     }
 
-    fn add_masses(&mut self, equations: &Equations) {
-        for (mass, position) in equations.mass.iter().zip(&self.pattern.position) {
+    /// K ← K + M/μ, for a K without rows.
+    pub(crate) fn add_masses(&mut self, mass: &[Vector3<f64>]) {
+        for (mass, position) in mass.iter().zip(&self.pattern.position) {
             let block = &mut self.diagonal[*position as usize];
             (block[0], block[4], block[8]) = (mass.x, mass.y, mass.z);
         }
@@ -127,7 +138,8 @@ impl BlockFactor {
     fn add_rows(&mut self, equations: &Equations) {
         for (row, run) in equations.rows.iter().zip(&equations.runs) {
             let left = row.jacobian.map(|J| J * weight(row));
-            self.add_product(row.bodies, *run, &left, &row.jacobian);
+            let block = self.pattern.block[*run as usize];
+            self.add_product(row.bodies, block, &left, &row.jacobian);
         }
     }
 
@@ -137,19 +149,25 @@ impl BlockFactor {
             let slot = fold.column as usize;
             let row = &equations.rows[slot];
             let left = fold.jacobian.map(|J| J * weight(row));
-            self.add_product(row.bodies, equations.runs[slot], &left, &row.jacobian);
+            let block = self.pattern.block[equations.runs[slot] as usize];
+            self.add_product(row.bodies, block, &left, &row.jacobian);
         }
     }
 
-    /// K ← K + leftᵀ right over the two bodies of a row.
-    fn add_product(&mut self, bodies: [u32; 2], run: u32, left: &Sides, right: &Sides) {
+    /// K ← K + leftᵀ right over the two bodies of a row and the block that they share.
+    pub(crate) fn add_product(
+        &mut self,
+        bodies: [u32; 2],
+        block: u32,
+        left: &Sides,
+        right: &Sides,
+    ) {
         let pattern = &self.pattern;
         for side in 0..2 {
             if let Some(position) = pattern.position.get(bodies[side] as usize) {
                 add_outer(&mut self.diagonal[*position as usize], &left[side], &right[side]);
             }
         }
-        let block = pattern.block[run as usize];
         if block == NO_BLOCK {
             return;
         }
@@ -162,7 +180,8 @@ impl BlockFactor {
     }
 
     /// Right-looking elimination: A_ba ← A_ba − L_b A_ja for all later neighbours a, b of j.
-    fn factor(&mut self, column: &mut Vec<Block>) {
+    pub(crate) fn factor(&mut self, scratch: &mut Scratch) {
+        let mut column = scratch.blocks.take();
         let pattern = &self.pattern;
         let mut targets = pattern.target.iter();
         for j in 0..pattern.bodies() {
@@ -194,12 +213,13 @@ impl BlockFactor {
                 self.upper[range].iter_mut().for_each(|block| divide(block, &transposed));
             }
         }
+        scratch.blocks.give(column);
     }
 
     /// Counts pivots without rows; whether all can be trusted.
-    fn count_free(&mut self, equations: &Equations) -> bool {
+    pub(crate) fn count_free(&mut self, mass: &[Vector3<f64>]) -> bool {
         let mut sound = true;
-        for (mass, position) in equations.mass.iter().zip(&self.pattern.position) {
+        for (mass, position) in mass.iter().zip(&self.pattern.position) {
             let pivot = &self.diagonal[*position as usize];
             for k in 0..3 {
                 let inverse = pivot[4 * k] * mass[k];

@@ -9,7 +9,8 @@
 //!  box         u = w⁻ − w⁺,    s± = h ∓ y,    0 ≤ s± ⟂ w± ≥ 0,    h constant or μ y_n
 //! ```
 
-use crate::{BandMatrix, Delassus, Law, Lcp, Metric};
+use crate::modes::piece;
+use crate::{BandMatrix, Delassus, Law, Lcp, Metric, Mode};
 
 /// The law of one unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +34,65 @@ pub enum BoxLaw {
 }
 
 impl BoxLaw {
+    /// Of a row whose unknown is its ŷ in units of `scale`; the slots are the rows.
+    pub(crate) fn of_row(problem: &Lcp, metric: &Metric, row: usize, scale: f64) -> Self {
+        match problem.rows[row].law {
+            Law::Equality => Self::Free,
+            Law::Unilateral => Self::Positive,
+            Law::Bounded { max } => Self::Bounded { max: metric.impulse(row, max) / scale },
+            Law::Friction { normal, mu } => {
+                let normal = normal as usize;
+                let mu = mu * metric.root(row) / metric.root(normal);
+                Self::Friction { normal, mu }
+            }
+        }
+    }
+
+    /// Bound of a box unknown, infinite for others.
+    #[must_use]
+    pub fn bound(self, y: &[f64]) -> f64 {
+        match self {
+            Self::Bounded { max } => max,
+            Self::Friction { normal, mu } => mu * y[normal],
+            Self::Free | Self::Positive => f64::INFINITY,
+        }
+    }
+
+    /// What the law leaves over at unknowns y, of which this is `y_i`, and u_i: the natural map.
+    #[must_use]
+    pub fn defect(self, y_i: f64, u_i: f64, y: &[f64]) -> f64 {
+        match self {
+            Self::Free => u_i,
+            Self::Positive => y_i.min(u_i),
+            Self::Bounded { .. } | Self::Friction { .. } => {
+                let bound = self.bound(y).max(0.0);
+                y_i - (y_i - u_i).max(-bound).min(bound)
+            }
+        }
+    }
+
+    /// The mode that unknowns y and u = W y + q show for the one at `slot`: the natural map's piece.
+    /// A contact that is about to close counts with the impulse that would close it alone.
+    #[must_use]
+    pub fn mode(self, slot: usize, y: &[f64], u: &[f64]) -> Mode {
+        let ahead = y[slot] - u[slot];
+        match self {
+            Self::Free => Mode::Active,
+            Self::Positive => {
+                if ahead > 0.0 {
+                    Mode::Active
+                } else {
+                    Mode::Open
+                }
+            }
+            Self::Bounded { max } => piece(ahead, max),
+            Self::Friction { normal, .. } if y[normal] <= u[normal] => Mode::Open,
+            Self::Friction { normal, mu } => {
+                piece(ahead, mu * y[normal].max(y[normal] - u[normal]).max(0.0))
+            }
+        }
+    }
+
     /// Number of complementary pairs.
     #[must_use]
     pub fn pairs(self) -> usize {
@@ -79,18 +139,9 @@ impl BoxForm {
         for q in &mut q {
             *q /= scale;
         }
-        let law = |&row: &u32| {
-            let row = row as usize;
-            match problem.rows[row].law {
-                Law::Equality => BoxLaw::Free,
-                Law::Unilateral => BoxLaw::Positive,
-                Law::Bounded { max } => BoxLaw::Bounded { max: metric.impulse(row, max) / scale },
-                Law::Friction { normal, mu } => {
-                    let normal = normal as usize;
-                    let mu = mu * metric.root(row) / metric.root(normal);
-                    BoxLaw::Friction { normal: position[normal], mu }
-                }
-            }
+        let law = |&row: &u32| match BoxLaw::of_row(problem, metric, row as usize, scale) {
+            BoxLaw::Friction { normal, mu } => BoxLaw::Friction { normal: position[normal], mu },
+            law => law,
         };
         let laws = rows.iter().map(law).collect();
         let unscale = rows.iter().map(|&row| metric.true_impulse(row as usize, scale)).collect();
@@ -125,35 +176,6 @@ impl BoxForm {
         let mut u = self.matrix.times(y);
         u.iter_mut().zip(&self.q).for_each(|(u, q)| *u += q);
         u
-    }
-
-    /// Bound of a box unknown.
-    #[must_use]
-    pub fn bound(&self, slot: usize, y: &[f64]) -> f64 {
-        match self.laws[slot] {
-            BoxLaw::Bounded { max } => max,
-            BoxLaw::Friction { normal, mu } => mu * y[normal],
-            BoxLaw::Free | BoxLaw::Positive => f64::INFINITY,
-        }
-    }
-
-    /// Natural residual at y, in the scaled units.
-    #[must_use]
-    pub fn residual(&self, y: &[f64], u: &[f64]) -> f64 {
-        let mut worst = 0.0_f64;
-        for slot in 0..self.len() {
-            let (y_i, u_i) = (y[slot], u[slot]);
-            let defect = match self.laws[slot] {
-                BoxLaw::Free => u_i,
-                BoxLaw::Positive => y_i.min(u_i),
-                BoxLaw::Bounded { .. } | BoxLaw::Friction { .. } => {
-                    let bound = self.bound(slot, y).max(0.0);
-                    y_i - (y_i - u_i).max(-bound).min(bound)
-                }
-            };
-            worst = if defect.is_nan() { f64::INFINITY } else { worst.max(defect.abs()) };
-        }
-        worst
     }
 }
 

@@ -11,6 +11,7 @@ mod amplification;
 mod band;
 mod banded;
 mod block_factor;
+mod body_system;
 mod box_form;
 mod cholesky;
 mod combinations;
@@ -43,6 +44,7 @@ mod walk;
 
 pub use active_system::{ActiveSystem, Fold, Reduced};
 pub use band::{BandMatrix, Lu};
+pub use body_system::{Added, BodySystem};
 pub use box_form::{BoxForm, BoxLaw};
 pub use cholesky::Cholesky;
 pub use delassus::Delassus;

@@ -102,7 +102,7 @@ impl Reading<'_> {
     }
 }
 
-fn piece(value: f64, bound: f64) -> Mode {
+pub(crate) fn piece(value: f64, bound: f64) -> Mode {
     if value > bound {
         Mode::Upper
     } else if value < -bound {

@@ -104,6 +104,20 @@ impl Pattern {
         self.start[j] as usize..self.start[j + 1] as usize
     }
 
+    /// The block of each row of the problem that this is the pattern of.
+    pub(crate) fn list_blocks(&self, problem: &Lcp, blocks: &mut Vec<u32>) {
+        let mut last = None;
+        let mut next = self.block.iter();
+        for row in &problem.rows {
+            if last != Some(row.bodies) {
+                blocks.extend(next.next());
+                last = Some(row.bodies);
+            } else {
+                blocks.push(blocks[blocks.len() - 1]);
+            }
+        }
+    }
+
     fn targets(&self, rows: &[u32]) -> Vec<u32> {
         let mut targets = Vec::new();
         for (a, first) in rows.iter().enumerate() {

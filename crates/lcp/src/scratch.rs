@@ -6,18 +6,23 @@ use nalgebra::Vector3;
 
 use crate::block_factor::Block;
 use crate::equations::Equations;
-use crate::pattern::Patterns;
+use crate::pattern::{Pattern, Patterns};
 use crate::pool::Pool;
-use crate::{ActiveSystem, Lcp, LcpSolution, Metric, Mode};
+use crate::{ActiveSystem, BoxLaw, Lcp, LcpSolution, Metric, Mode};
 
 /// Buffers that survive between solves so that they need not be allocated again; their content
 /// never changes a result.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    pub(crate) floats: Pool<f64>,
+    /// Numbers.
+    pub floats: Pool<f64>,
+    /// Four numbers per row.
+    pub quads: Pool<[f64; 4]>,
+    pub(crate) laws: Pool<BoxLaw>,
     pub(crate) vectors: Pool<Vector3<f64>>,
     pub(crate) indices: Pool<u32>,
-    pub(crate) modes: Pool<Mode>,
+    /// Modes.
+    pub modes: Pool<Mode>,
     pub(crate) blocks: Pool<Block>,
     pub(crate) equations: Equations,
     pub(crate) spans: Vec<u32>,
@@ -76,5 +81,10 @@ impl Scratch {
     /// Takes a metric's memory.
     pub fn give_metric(&mut self, metric: Metric) {
         self.metrics.push(metric);
+    }
+
+    /// In which order the bodies of a problem are eliminated.
+    pub(crate) fn pattern(&mut self, problem: &Lcp) -> Arc<Pattern> {
+        self.patterns.of(problem)
     }
 }
