@@ -50,10 +50,27 @@ impl Default for InteriorPoint {
     }
 }
 
-/// Natural residual, of unknowns of about one, below which iterates are polished with all means.
-const NEAR_END: f64 = 0.01;
-/// Mode corrections of a polish before that.
-const GLANCE_FLIPS: u32 = 4;
+/// When and how thoroughly an iterate of the interior point is polished.
+#[derive(Clone, Copy, Debug)]
+struct Polishing {
+    /// Natural residual, of unknowns of about one, below which all means are used.
+    near_end: f64,
+    /// Mode corrections before that, of modes that seem settled.
+    flips: u32,
+}
+
+impl Polishing {
+    /// Where rows are many, a few of the modes are wrong until late, and a polish that goes astray
+    /// costs more than iterations.
+    fn of(rows: usize) -> Self {
+        if rows <= 100 {
+            Self { near_end: 1e-2, flips: 4 }
+        } else {
+            Self { near_end: 1e-6, flips: 0 }
+        }
+    }
+}
+
 /// Above this number of rows, their own matrix is not formed.
 const MOST_ROWS: usize = 2000;
 /// Contacts that part faster than this, relative to s*, are out of play.
@@ -277,17 +294,18 @@ impl Search<'_> {
     fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
         let before = self.stats.iterations;
         let mut path = Loop::new(system, pace, self.scratch);
+        let polishing = Polishing::of(self.polish.problem.rows.len());
         let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
         let mut found = false;
         while !found && path.iterations < self.settings.max_iterations {
             let going = path.advance(self.scratch);
             self.stats.factorisations += 1;
             self.stats.iterations = before + path.iterations;
-            found = if path.best < NEAR_END || !going {
+            found = if path.best < polishing.near_end || !going {
                 let y = if going { path.y() } else { path.best_y() };
                 self.polish_at(path.system, y, &mut tried)
             } else {
-                path.settled && self.glance(&path, &mut glanced)
+                path.settled && self.glance(&path, polishing.flips, &mut glanced)
             };
             if !going {
                 break;
@@ -299,14 +317,19 @@ impl Search<'_> {
     }
 
     /// A short polish of modes that the path shows early and did not show before.
-    fn glance<S: System>(&mut self, path: &Loop<S>, glanced: &mut Vec<Mode>) -> bool {
+    fn glance<S: System>(
+        &mut self,
+        path: &Loop<S>,
+        max_flips: u32,
+        glanced: &mut Vec<Mode>,
+    ) -> bool {
         let (mut modes, mut impulses) = (self.scratch.modes.take(), self.scratch.floats.take());
         path.list_modes(&mut modes);
         let known = modes == *glanced;
         if !known {
             path.system.impulses(path.y(), &mut impulses);
         }
-        let polish = Polish { max_flips: GLANCE_FLIPS, near_miss: 0.0, ..self.polish };
+        let polish = Polish { max_flips, near_miss: 0.0, ..self.polish };
         let found = !known && {
             let candidate = polish.modes(&modes, Some(&impulses), self.scratch);
             self.offer(candidate)

@@ -15,7 +15,7 @@
 use nalgebra::Vector3;
 
 use crate::metric::WeightedRow;
-use crate::{ActiveSystem, Fold, Lcp, Metric, NO_BODY, Row};
+use crate::{ActiveSystem, Fold, Lcp, Metric, NO_BODY, Row, Scratch};
 
 /// The system as such, or its transpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -183,6 +183,18 @@ impl Equations {
         for (row, y) in self.rows.iter().zip(y) {
             row.add_transposed(-y, z);
         }
+    }
+
+    /// Ŝ ŷ.
+    pub(crate) fn products(&self, y: &[f64], out: &mut Vec<f64>, scratch: &mut Scratch) {
+        let mut z = scratch.vectors.filled(self.mass.len() + 1, Vector3::zeros());
+        let mut v = scratch.vectors.filled(self.mass.len() + 1, Vector3::zeros());
+        self.add_impulses(Side::Forward, y, &mut z);
+        self.advance(&mut z, &mut v);
+        out.clear();
+        out.extend(self.rows.iter().zip(y).map(|(row, y)| row.velocity(&v) + row.compliance * y));
+        scratch.vectors.give(z);
+        scratch.vectors.give(v);
     }
 
     /// z ← z + Ĉᵀ ŷ, or z + B̂ᵀ ŷ.
