@@ -87,7 +87,9 @@ impl BlockFactor {
         equations.products(&y, &mut product, scratch);
         let size = r.iter().fold(0.0_f64, |size, r| size.max(r.abs()));
         let proven = product.iter().zip(&r).all(|(p, r)| (p - r).abs() <= MENDED * size);
-        [y, r, product].into_iter().for_each(|floats| scratch.floats.give(floats));
+        for floats in [y, r, product] {
+            scratch.floats.give(floats);
+        }
         proven
     }
 
