@@ -131,8 +131,8 @@ impl ActiveSystem {
         self.renew_by(Elimination::Cheapest, problem, metric, modes, scratch);
     }
 
-    /// The same by the rows, with exchanges, where sliding friction may have spoilt an elimination by
-    /// bodies and the problem is not too large for it; whether that was so.
+    /// The same by the rows, with exchanges, if it was by bodies and the problem is not too large for that;
+    /// whether that was so. Sliding friction can spoil an elimination by bodies.
     pub(crate) fn renew_by_rows(
         &mut self,
         problem: &Lcp,
@@ -140,7 +140,7 @@ impl ActiveSystem {
         modes: &[Mode],
         scratch: &mut Scratch,
     ) -> bool {
-        let by_bodies = matches!(self.factor, Factor::Bodies(_)) && !self.folds.is_empty();
+        let by_bodies = matches!(self.factor, Factor::Bodies(_));
         if by_bodies && self.rows.len() <= MOST_ROWS {
             self.renew_by(Elimination::Rows, problem, metric, modes, scratch);
             return true;
@@ -164,12 +164,11 @@ impl ActiveSystem {
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
         let chosen = match elimination {
-            Elimination::Cheapest => metric.pattern(self.rows.len(), width, !self.folds.is_empty()),
+            Elimination::Cheapest => metric.pattern(self.rows.len(), width, self.folds.len()),
             Elimination::Rows => None,
         };
         // Rows as they come were found cheap.
-        let cheap =
-            elimination == Elimination::Cheapest && chosen.is_none() && metric.has_pattern();
+        let cheap = self.folds.is_empty() && chosen.is_none() && metric.has_pattern();
         self.factor = match chosen {
             Some(pattern) => {
                 equations.gather(problem, metric, self);

@@ -26,6 +26,10 @@ use crate::{Law, Lcp, LcpError, NO_BODY, order};
 const FEW_ROWS: usize = 24;
 const NARROW: usize = 6;
 
+/// Problems of so many active rows and fewer are eliminated by rows where more contacts slide than a few.
+const MOST_ROWS: usize = 400;
+const FEW_SLIDES: usize = 4;
+
 /// The mass-weighted units of one problem: computed once, used by every residual, mode reading and
 /// linear system.
 #[derive(Clone, Debug, Default)]
@@ -155,10 +159,19 @@ impl Metric {
     /// How to eliminate bodies if that is cheaper than a band of `rows` rows of this half-width.
     ///
     /// Counted are multiplications: of a factorisation and of three sweeps. Where friction slides, rows
-    /// need both triangles and room for exchanges.
-    pub(crate) fn pattern(&self, rows: usize, width: usize, slides: bool) -> Option<&Arc<Pattern>> {
+    /// need both triangles and room for exchanges, which bodies do without; that costs digits where
+    /// many contacts slide, and is left to problems that are too large for rows.
+    pub(crate) fn pattern(
+        &self,
+        rows: usize,
+        width: usize,
+        slides: usize,
+    ) -> Option<&Arc<Pattern>> {
+        if slides > FEW_SLIDES && rows <= MOST_ROWS {
+            return None;
+        }
         let pattern = self.pattern.as_ref()?;
-        let by_rows = rows * (width * width / 2 + 12 * width + 36) * if slides { 4 } else { 1 };
+        let by_rows = rows * (width * width / 2 + 12 * width + 36) * if slides > 0 { 4 } else { 1 };
         let sweep = 18 * (pattern.bodies() + 2 * pattern.blocks()) + 24 * rows;
         let by_bodies = 27 * (pattern.bodies() + pattern.products() + rows) + 3 * sweep;
         (by_bodies < by_rows).then_some(pattern)
