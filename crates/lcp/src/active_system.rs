@@ -140,7 +140,7 @@ impl ActiveSystem {
         modes: &[Mode],
         scratch: &mut Scratch,
     ) -> bool {
-        let by_bodies = matches!(self.factor, Factor::Bodies(_));
+        let by_bodies = matches!(self.factor, Factor::Bodies(_)) && !self.folds.is_empty();
         if by_bodies && self.rows.len() <= MOST_ROWS {
             self.renew_by(Elimination::Rows, problem, metric, modes, scratch);
             return true;

@@ -21,8 +21,7 @@ const TOUCH: f64 = 1e-9;
 const NEAR_MISS: f64 = 1e-5;
 /// No rounding excuses a residual above this.
 const MOST_ROUNDING: f64 = 1e-11;
-/// Equations that leave more than this contradict each other, or were not solved well; candidates below
-/// it that are not exact were not solved well either.
+/// Equations that leave more than this contradict each other, or were not solved well.
 const DOUBTFUL: f64 = 1e-9;
 /// Doubtful contacts are tried released below these impulses, relative to s*.
 const RELEASES: [f64; 3] = [0.0, 1e-7, 1e-4];
@@ -226,8 +225,7 @@ impl Polish<'_> {
             system.renew(self.problem, self.metric, modes, scratch);
         }
         let (mut least, defect) = self.candidate(&system, modes, None, scratch);
-        let nearly = !self.reached(&least) && least.max() < DOUBTFUL;
-        let again = (defect > DOUBTFUL || nearly) && {
+        let again = defect > DOUBTFUL && {
             least.solution.system = None;
             let system = Arc::get_mut(&mut system).expect("nobody else has it");
             system.renew_by_rows(self.problem, self.metric, modes, scratch)
