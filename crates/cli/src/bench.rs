@@ -1,7 +1,7 @@
 //! `tangency bench`: time against error, of every backend and of other engines on the same scenes.
 //!
 //! Every number comes from one run on one machine and one pinned thread, in which the candidates take
-//! turns; what is compared is in the [plan], and what came out in the [outcome]. Tables (CSV), figures
+//! turns; what is compared is in the `plan`, and what came out in the `outcome`. Tables (CSV), figures
 //! and a page are written from that.
 
 mod export;

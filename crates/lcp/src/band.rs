@@ -24,7 +24,7 @@ impl BandMatrix {
         Self::full_in(n, lower, Vec::new())
     }
 
-    /// n × n zeros of which only the lower triangle is stored, for [`Cholesky`].
+    /// n × n zeros of which only the lower triangle is stored, for [`Cholesky`](crate::Cholesky).
     #[must_use]
     pub fn zeros_lower(n: usize, lower: usize) -> Self {
         Self::lower_in(n, lower, Vec::new())
