@@ -34,6 +34,7 @@ fn joints_flights_and_lasting_contacts_allocate_nothing() {
         scenes::race_cartpole(),
         scenes::race_stack(10),
         scenes::sliding_box(1.0, 0.3, 30.0),
+        scenes::pyramid(10),
         scenes::incline_disc(0.5),
     ];
     for def in scenes {

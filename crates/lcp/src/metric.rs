@@ -29,6 +29,8 @@ const NARROW: usize = 6;
 /// Problems of so many active rows and fewer are eliminated by rows where more contacts slide than a few.
 const MOST_ROWS: usize = 400;
 const FEW_SLIDES: usize = 4;
+/// So many active rows to a sliding contact are few slides, too.
+const SHARE_OF_SLIDES: usize = 30;
 
 /// The mass-weighted units of one problem: computed once, used by every residual, mode reading and
 /// linear system.
@@ -167,7 +169,8 @@ impl Metric {
         width: usize,
         slides: usize,
     ) -> Option<&Arc<Pattern>> {
-        if slides > FEW_SLIDES && rows <= MOST_ROWS {
+        let few = slides <= FEW_SLIDES || SHARE_OF_SLIDES * slides <= rows;
+        if !few && rows <= MOST_ROWS {
             return None;
         }
         let pattern = self.pattern.as_ref()?;

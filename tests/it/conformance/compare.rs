@@ -93,13 +93,10 @@ fn several(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> bool {
     let frictional = problem.rows.iter().any(|row| matches!(row.law, Law::Friction { .. }));
     let metric = Metric::new(problem);
     let exact = |solution: &LcpSolution| {
-        // Impulses of a jammed body may be thousands of times what drives it, and round accordingly;
-        // more so where they are shared among rows that depend on each other.
-        let dependent = solution.system.as_ref().is_some_and(|system| system.rank_defect() > 0);
-        let digits = if dependent { 256.0 } else { 4.0 };
+        // Impulses of a jammed body may be thousands of times what drives it, and round accordingly.
         let scaled = |(row, y): (usize, &f64)| metric.impulse(row, *y).abs();
         let impulses = solution.impulses.iter().enumerate().map(scaled);
-        let rounding = digits * f64::EPSILON * impulses.fold(0.0, f64::max) / metric.scale;
+        let rounding = 4.0 * f64::EPSILON * impulses.fold(0.0, f64::max) / metric.scale;
         problem.residual(solution).max() <= EXACT.max(rounding)
     };
     frictional && one.modes != other.modes && exact(one) && exact(other)
