@@ -18,6 +18,10 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::Scratch;
+use crate::block::{
+    Block, add_outer, divide, invert_pivots, solve_pivot, subtract, subtract_times,
+    subtract_transposed, transpose,
+};
 use crate::equations::{Equations, Side};
 use crate::factor::PROXIMAL;
 use crate::metric::WeightedRow;
@@ -30,9 +34,6 @@ const SOUND: f64 = 1e-3;
 
 /// Refinement mends a defect below this part of the right-hand side in a few sweeps.
 const MENDED: f64 = 1e-3;
-
-/// A 3 × 3 block, row by row.
-pub(crate) type Block = [f64; 9];
 
 /// The parts of a row on its two bodies.
 type Sides = [Vector3<f64>; 2];
@@ -299,86 +300,4 @@ impl BlockFactor {
 /// w = 1/(ε + ĉ).
 pub(crate) fn weight(row: &WeightedRow) -> f64 {
     (PROXIMAL + row.compliance).recip()
-}
-
-/// A ← A + x yᵀ.
-fn add_outer(A: &mut Block, x: &Vector3<f64>, y: &Vector3<f64>) {
-    for i in 0..3 {
-        for k in 0..3 {
-            A[3 * i + k] += x[i] * y[k];
-        }
-    }
-}
-
-/// A ← A − X Yᵀ.
-#[inline]
-fn subtract(A: &mut Block, X: &Block, Y: &Block) {
-    for i in 0..3 {
-        for k in 0..3 {
-            A[3 * i + k] -=
-                X[3 * i] * Y[3 * k] + X[3 * i + 1] * Y[3 * k + 1] + X[3 * i + 2] * Y[3 * k + 2];
-        }
-    }
-}
-
-/// L D U of a block, with unit triangles, and the pivots inverted.
-fn invert_pivots(mut A: Block) -> Block {
-    for k in 0..3 {
-        let inverse = A[4 * k].recip();
-        for i in k + 1..3 {
-            let factor = A[3 * i + k] * inverse;
-            for m in k + 1..3 {
-                A[3 * i + m] -= factor * A[3 * k + m];
-            }
-            A[3 * i + k] = factor;
-        }
-        for m in k + 1..3 {
-            A[3 * k + m] *= inverse;
-        }
-        A[4 * k] = inverse;
-    }
-    A
-}
-
-fn transpose(A: &Block) -> Block {
-    [A[0], A[3], A[6], A[1], A[4], A[7], A[2], A[5], A[8]]
-}
-
-/// X ← X P⁻¹, P = L D U: row by row.
-fn divide(X: &mut Block, P: &Block) {
-    for row in X.chunks_exact_mut(3) {
-        row[1] -= row[0] * P[1];
-        row[2] -= row[0] * P[2] + row[1] * P[5];
-        for k in 0..3 {
-            row[k] *= P[4 * k];
-        }
-        row[1] -= row[2] * P[7];
-        row[0] -= row[1] * P[3] + row[2] * P[6];
-    }
-}
-
-/// P⁻¹ x, P = L D U.
-fn solve_pivot(P: &Block, mut x: Vector3<f64>) -> Vector3<f64> {
-    x[1] -= P[3] * x[0];
-    x[2] -= P[6] * x[0] + P[7] * x[1];
-    for k in 0..3 {
-        x[k] *= P[4 * k];
-    }
-    x[1] -= P[5] * x[2];
-    x[0] -= P[1] * x[1] + P[2] * x[2];
-    x
-}
-
-/// y ← y − A x.
-fn subtract_times(y: &mut Vector3<f64>, A: &Block, x: &Vector3<f64>) {
-    for i in 0..3 {
-        y[i] -= A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
-    }
-}
-
-/// y ← y − Aᵀ x.
-fn subtract_transposed(y: &mut Vector3<f64>, A: &Block, x: &Vector3<f64>) {
-    for i in 0..3 {
-        y[i] -= A[i] * x[0] + A[3 + i] * x[1] + A[6 + i] * x[2];
-    }
 }

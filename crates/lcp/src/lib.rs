@@ -6,15 +6,18 @@
 //! every row's mode is known; the polish, which turns a guess of the modes into an exact solution;
 //! sweeps, walks and combinations of modes for where that fails; the trait that backends implement; the paper's dense form.
 
+mod active_rows;
 mod active_system;
 mod amplification;
 mod band;
 mod banded;
+mod block;
 mod block_factor;
 mod body_system;
 mod box_form;
 mod cholesky;
 mod combinations;
+mod corrections;
 mod delassus;
 mod dense;
 mod equations;
@@ -32,6 +35,7 @@ mod pool;
 mod problem;
 mod pseudo_inverse;
 mod raw;
+mod refinement;
 mod residual;
 mod rows;
 mod saddle;
@@ -42,7 +46,7 @@ mod sweeps;
 mod validate;
 mod walk;
 
-pub use active_system::{ActiveSystem, Fold, Reduced};
+pub use active_system::{ActiveSystem, Fold};
 pub use band::{BandMatrix, Lu};
 pub use body_system::{Added, BodySystem};
 pub use box_form::{BoxForm, BoxLaw};
@@ -59,6 +63,7 @@ pub use pool::Pool;
 pub use problem::{Law, Lcp, NO_BODY, Row};
 pub use pseudo_inverse::pseudo_inverse;
 pub use raw::{RawFriction, RawLcp, RawPolish, RawSolution, RawSolver};
+pub use refinement::Reduced;
 pub use residual::Residual;
 pub use scratch::Scratch;
 pub use solution::{LcpSolution, Method, Mode, SolveStats};

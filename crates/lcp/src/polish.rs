@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use crate::corrections::{Chain, keep_last_correction};
 use crate::modes::Reading;
 use crate::{
     ActiveSystem, Law, Lcp, LcpSolution, Metric, Mode, Reduced, Residual, Scratch, SolveStats,
@@ -372,45 +373,6 @@ impl Polish<'_> {
 
     fn reading<'b>(&'b self, impulses: &'b [f64], slacks: &'b [f64]) -> Reading<'b> {
         Reading { problem: self.problem, metric: self.metric, impulses, slacks }
-    }
-}
-
-/// Candidates one after another: the best and, if it is another, the last.
-struct Chain {
-    best: Polished,
-    last: Option<Polished>,
-}
-
-impl Chain {
-    fn last(&self) -> &Polished {
-        self.last.as_ref().unwrap_or(&self.best)
-    }
-
-    fn add(&mut self, candidate: Polished, scratch: &mut Scratch) {
-        let dropped = if candidate.max() < self.best.max() {
-            let before = std::mem::replace(&mut self.best, candidate);
-            scratch.recycle(before.solution);
-            self.last.take()
-        } else {
-            self.last.replace(candidate)
-        };
-        if let Some(dropped) = dropped {
-            scratch.recycle(dropped.solution);
-        }
-    }
-
-    fn end(self, scratch: &mut Scratch) -> Polished {
-        if let Some(last) = self.last {
-            scratch.recycle(last.solution);
-        }
-        self.best
-    }
-}
-
-/// Leaves only the last difference between `modes` and `next`.
-fn keep_last_correction(modes: &[Mode], next: &mut [Mode]) {
-    if let Some(row) = (0..modes.len()).rev().find(|&row| modes[row] != next[row]) {
-        next[..row].copy_from_slice(&modes[..row]);
     }
 }
 

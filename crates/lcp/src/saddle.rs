@@ -13,8 +13,8 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::active_system::relative;
 use crate::equations::{Equations, Side};
+use crate::refinement::relative;
 use crate::{Reduced, pseudo_inverse};
 
 const ALPHA: f64 = 1e-7;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use crate::block_factor::Block;
+use crate::block::Block;
 use crate::equations::Equations;
 use crate::pattern::{Pattern, Patterns};
 use crate::pool::Pool;
