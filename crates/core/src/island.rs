@@ -41,6 +41,10 @@ pub(crate) struct Groups {
     island: Vec<u32>,
     /// Index of the body within its island.
     local: Vec<u32>,
+    /// How many bodies are in a set.
+    bound: usize,
+    /// How many sets there are.
+    sets: usize,
 }
 
 impl Groups {
@@ -50,6 +54,7 @@ impl Groups {
             list.clear();
             list.resize(bodies, NO_BODY);
         }
+        (self.bound, self.sets) = (0, 0);
         let mut last = [NO_BODY; 2];
         for row in rows {
             if row.bodies == last {
@@ -58,9 +63,18 @@ impl Groups {
             last = row.bodies;
             match row.bodies.map(|body| self.root(body)) {
                 [NO_BODY, _] | [_, NO_BODY] => {}
-                [a, b] => self.parent[a.max(b) as usize] = a.min(b),
+                [a, b] if a == b => {}
+                [a, b] => {
+                    self.parent[a.max(b) as usize] = a.min(b);
+                    self.sets -= 1;
+                }
             }
         }
+    }
+
+    /// Whether all bodies are one island.
+    fn is_whole(&self) -> bool {
+        self.sets == 1 && self.bound == self.parent.len()
     }
 
     /// The lowest body of a body's set, which it founds if it is in none.
@@ -71,6 +85,8 @@ impl Groups {
         let mut i = body;
         if self.parent[i as usize] == NO_BODY {
             self.parent[i as usize] = body;
+            self.bound += 1;
+            self.sets += 1;
         }
         while self.parent[i as usize] != i {
             self.parent[i as usize] = self.parent[self.parent[i as usize] as usize];
@@ -108,6 +124,11 @@ pub(crate) fn assemble(
     let mut groups = std::mem::take(&mut scratch.groups);
     let mut islands = scratch.islands.take();
     groups.join(momentum.len(), &rows.rows);
+    if groups.is_whole() && rows.rows.iter().all(is_bound) {
+        islands.push(whole(context, momentum, rows, scratch));
+        scratch.groups = groups;
+        return islands;
+    }
     for (body, momentum) in momentum.iter().enumerate() {
         let (parent, number) = (groups.parent[body], number(body));
         if parent == NO_BODY {
@@ -129,11 +150,30 @@ pub(crate) fn assemble(
     islands
 }
 
+/// The island of all bodies: the scene's indices are its own.
+fn whole(
+    context: &RowContext<'_>,
+    momentum: &[Vector3<f64>],
+    rows: &mut Rows,
+    scratch: &mut StepScratch,
+) -> Island {
+    let mut island = scratch.island(context.stage);
+    island.bodies.extend(0..number(momentum.len()));
+    island.problem.mass.extend(context.scene.bodies.iter().map(|body| body.mass));
+    island.problem.momentum.extend_from_slice(momentum);
+    std::mem::swap(&mut island.sources, &mut rows.sources);
+    std::mem::swap(&mut island.problem.rows, &mut rows.rows);
+    island
+}
+
+fn is_bound(row: &Row) -> bool {
+    row.bodies != [NO_BODY; 2]
+}
+
 /// Gives every row to its island.
 fn distribute(groups: &mut Groups, rows: &mut Rows, islands: &mut [Island]) {
-    let bound = |row: &Row| row.bodies != [NO_BODY; 2];
     if let [island] = islands
-        && rows.rows.iter().all(bound)
+        && rows.rows.iter().all(is_bound)
     {
         std::mem::swap(&mut island.sources, &mut rows.sources);
         std::mem::swap(&mut island.problem.rows, &mut rows.rows);

@@ -77,12 +77,17 @@ impl Measure {
     /// The same where sines and cosines are at hand.
     #[must_use]
     pub fn evaluate_in(&self, frames: [&Frame; 2], anchors: [&Vector2<f64>; 2]) -> MeasureValue {
+        self.evaluate_on(&Arms::new(frames, anchors), frames)
+    }
+
+    /// The same where the offset of the anchors is at hand.
+    #[inline]
+    pub(crate) fn evaluate_on(&self, arm: &Arms, frames: [&Frame; 2]) -> MeasureValue {
         if *self == Self::Angle {
             let jacobian = [-Vector3::z(), Vector3::z()];
             return MeasureValue { value: frames[1].pose().z - frames[0].pose().z, jacobian };
         }
-        let arm = Arms::new(frames, anchors);
-        let (u, value) = self.direction(&arm, frames[0]);
+        let (u, value) = self.direction(arm, frames[0]);
         let turning = if self.turns_with_a() { pose::perp(&u).dot(&arm.r) } else { 0.0 };
         let a = Vector3::new(-u.x, -u.y, -u.dot(&pose::perp(&arm.rho[0])) + turning);
         let b = Vector3::new(u.x, u.y, u.dot(&pose::perp(&arm.rho[1])));
@@ -115,6 +120,7 @@ impl Measure {
     }
 
     /// u and φ.
+    #[inline]
     fn direction(&self, arm: &Arms, frame_a: &Frame) -> (Vector2<f64>, f64) {
         let u = match self {
             Self::World { axis } => *axis,
@@ -153,14 +159,15 @@ impl Measure {
 }
 
 /// The offset of two anchors and what it is made of.
-struct Arms {
+pub(crate) struct Arms {
     rotation: [[Vector2<f64>; 2]; 2],
     rho: [Vector2<f64>; 2],
     r: Vector2<f64>,
 }
 
 impl Arms {
-    fn new(frames: [&Frame; 2], anchors: [&Vector2<f64>; 2]) -> Self {
+    #[inline]
+    pub(crate) fn new(frames: [&Frame; 2], anchors: [&Vector2<f64>; 2]) -> Self {
         let rotation = frames.map(|frame| {
             let e = Vector2::new(frame.cos(), frame.sin());
             [e, pose::perp(&e)]

@@ -23,8 +23,8 @@ pub(crate) fn mend_positions(
 ) -> Result<(), StepError> {
     let loose = loose_bodies(record, scratch);
     let Stabilisation { joints, contacts } = scene.stabilisation();
-    let corrects = |correction| joints == correction || contacts == correction;
-    if loose.is_empty() && !corrects(Correction::Post) {
+    let mends_contacts = contacts == Correction::Post && !record.contacts.is_empty();
+    if loose.is_empty() && joints != Correction::Post && !mends_contacts {
         return Ok(());
     }
     let mut moved = scratch.vectors.take();

@@ -27,11 +27,13 @@ pub struct Rhs {
 
 /// Rigid row with position error φ: `b = −f φ/dt` (Baumgarte 1972), or 0.
 #[must_use]
+#[inline]
 pub fn rigid(correction: Correction, position: f64, dt: f64) -> Rhs {
     let Correction::Baumgarte { fraction } = correction else { return Rhs::default() };
+    let d_position = -fraction / dt;
     Rhs {
-        value: -fraction * position / dt,
-        d_position: -fraction / dt,
+        value: d_position * position,
+        d_position,
         d_dt: fraction * position / (dt * dt),
         ..Rhs::default()
     }
@@ -43,14 +45,16 @@ pub fn rigid(correction: Correction, position: f64, dt: f64) -> Rhs {
 ///  u + c λ = b,     D = dt k + d,     c = 1/(dt D),     b = −k φ/D
 /// ```
 #[must_use]
+#[inline]
 pub fn soft(softness: Softness, position: f64, dt: f64) -> Rhs {
     let (k, d) = (softness.stiffness, softness.damping);
     let sum = dt * k + d;
     let sum2 = sum * sum;
+    let d_position = -k / sum;
     Rhs {
-        value: -k * position / sum,
+        value: d_position * position,
         compliance: 1.0 / (dt * sum),
-        d_position: -k / sum,
+        d_position,
         d_dt: k * k * position / sum2,
         compliance_d_dt: -(sum + dt * k) / (dt * dt * sum2),
         d_softness: [-d * position / sum2, k * position / sum2],

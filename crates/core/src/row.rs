@@ -169,8 +169,8 @@ impl RowContext<'_> {
     pub fn rhs(&self, source: RowSource, value: f64, speed: f64) -> Rhs {
         match (self.stage, source) {
             (_, RowSource::Tangent { .. }) => Rhs::default(),
-            (Stage::Post | Stage::SoftPost, _) => self.post_rhs(source, value),
             (_, RowSource::Held { joint, row }) => self.held_rhs(joint, row, value),
+            (Stage::Post | Stage::SoftPost, _) => self.post_rhs(source, value),
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
@@ -192,7 +192,18 @@ impl RowContext<'_> {
         }
     }
 
-    fn held_rhs(&self, joint: u32, row: u32, value: f64) -> Rhs {
+    /// What the right-hand sides of all rows that a joint holds have in common, where that is all but
+    /// their position errors φ: b = φ ∂b/∂φ.
+    pub(crate) fn common_rhs(&self, joint: u32) -> Option<Rhs> {
+        let linear = self.stage.is_velocity() && !self.stage.drifts();
+        linear.then(|| self.held_rhs(joint, 0, 0.0))
+    }
+
+    /// Right-hand side of a row that a joint holds, as [`rhs`](Self::rhs).
+    pub(crate) fn held_rhs(&self, joint: u32, row: u32, value: f64) -> Rhs {
+        if !self.stage.is_velocity() {
+            return self.post_rhs(RowSource::Held { joint, row }, value);
+        }
         let (dt, joints) = (self.scene.dt, self.scene.def.stabilisation.joints);
         if let Some(softness) = self.joint(joint).softness {
             return rhs::soft(softness, value, dt);

@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 use tangency_lcp::{Law, NO_BODY, Row};
 
 use crate::frames::Frames;
+use crate::measure::{Arms, MeasureValue};
+use crate::model::JointRow;
 use crate::reach::Groups;
 use crate::rhs::Rhs;
 use crate::row::{RowContext, RowGeometry, RowSource};
@@ -41,24 +43,31 @@ impl Rows {
     /// What a joint holds.
     fn list_held(&mut self, context: &RowContext<'_>, frames: &Frames, index: u32) {
         let joint = &context.scene.joints[index as usize];
-        for (row, held) in (0_u32..).zip(&joint.held) {
-            let geometry = context.joint_geometry_in(index, *held, frames);
-            let source = RowSource::Held { joint: index, row };
-            let Rhs { value, compliance, .. } = context.rhs(source, geometry.value, 0.0);
-            let part = |side: usize| match joint.unknowns[side] {
-                NO_BODY => Vector3::zeros(),
-                _ => geometry.jacobian[side],
+        let sides = joint.bodies.map(|body| frames.side(body));
+        let arms = Arms::new(sides, [&joint.anchors[0], &joint.anchors[1]]);
+        let driven = joint.driven && context.stage.is_velocity();
+        let [a, b] = joint.unknowns.map(|body| if body == NO_BODY { 0.0 } else { 1.0 });
+        let common = context.common_rhs(index);
+        let source = |(row, _)| RowSource::Held { joint: index, row: number(row) };
+        let held = |(row, held): (usize, &JointRow)| {
+            let MeasureValue { value, jacobian } = held.measure.evaluate_on(&arms, sides);
+            let value = value - held.reference;
+            let (mut rhs, compliance) = match common {
+                Some(Rhs { d_position, compliance, .. }) => (d_position * value, compliance),
+                None => {
+                    let own = context.held_rhs(index, number(row), value);
+                    (own.value, own.compliance)
+                }
             };
-            let driven = joint.driven && context.stage.is_velocity();
-            self.sources.push(source);
-            self.rows.push(Row {
-                bodies: joint.unknowns,
-                jacobian: [part(0), part(1)],
-                rhs: if driven { value - driven_speed(context, &geometry) } else { value },
-                compliance,
-                law: Law::Equality,
-            });
-        }
+            if driven {
+                rhs -=
+                    driven_speed(context, &RowGeometry { bodies: joint.bodies, value, jacobian });
+            }
+            let jacobian = [jacobian[0] * a, jacobian[1] * b];
+            Row { bodies: joint.unknowns, jacobian, rhs, compliance, law: Law::Equality }
+        };
+        self.sources.extend(joint.held.iter().enumerate().map(source));
+        self.rows.extend(joint.held.iter().enumerate().map(held));
     }
 
     /// Limits in reach, and the motor.

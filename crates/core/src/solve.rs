@@ -1,6 +1,6 @@
 //! The islands of a step, each solved in the first of its stages that has a solution.
 
-use tangency_lcp::{LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_checked};
+use tangency_lcp::{LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_assembled};
 
 use crate::StepError;
 use crate::guess::guess_likely;
@@ -77,7 +77,7 @@ fn solve_island(
 ) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
     let tolerance = context.scene.tolerance();
     let guess = guessed.then_some(&scratch.guess);
-    match solve_checked(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
+    match solve_assembled(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
         Ok((solution, residual))
             if !gives_too_much(context, &island, &solution)
                 && (island.problem.is_calm(&solution, wild(island.stage))
@@ -123,7 +123,8 @@ fn solve_in_stages(
         };
         next = later.map(|island| {
             let tolerance = context.scene.tolerance();
-            let answer = solve_checked(solver, &island.problem, None, &mut scratch.lcp, tolerance);
+            let answer =
+                solve_assembled(solver, &island.problem, None, &mut scratch.lcp, tolerance);
             (island, answer)
         });
     }

@@ -12,14 +12,15 @@ use nalgebra::Vector3;
 use crate::band::BandMatrix;
 use crate::cholesky::Cholesky;
 use crate::equations::Equations;
-use crate::metric::quotient;
-use crate::residual::ROUNDING;
+use crate::metric::{WeightedRow, greater};
 use crate::{ActiveSystem, Lcp, LcpSolution, Metric, Mode, Residual, Scratch, SolveStats, narrow};
 
 /// Pivots below this belong to rows that depend on others.
 const DEPENDENT: f64 = 1e-6;
 /// Remainders, relative to s*, that need no further sweep.
 const EXACT: f64 = 1e-15;
+/// A momentum defect, relative to s*, that needs no allowance for rounding.
+const BALANCED: f64 = 1e-14;
 const MOST_SWEEPS: usize = 3;
 
 /// Solves a problem of equalities; `None` if its band is too wide or its rows depend on each other.
@@ -63,43 +64,51 @@ fn solve_in<const W: usize>(
             break;
         }
     }
-    let momentum = sweep.momentum_defect(problem, metric, scratch);
     let equality = metric.relative(worst);
+    let momentum = sweep.momentum_defect(problem, metric);
     let cholesky = Cholesky::factored(BandMatrix::narrow(n, W - 1, band), inverse);
     let mut system = scratch.system();
     if let Some(system) = Arc::get_mut(&mut system) {
         system.become_factored(metric, cholesky, scratch);
     }
     let solution = sweep.finish(metric, system, scratch);
-    Some((solution, Residual { momentum, equality, ..Residual::default() }))
+    let mut residual = Residual { momentum, equality, ..Residual::default() };
+    if momentum > BALANCED {
+        residual = problem.residual_with(metric, &solution, scratch);
+    }
+    Some((solution, residual))
 }
 
 /// Ŝ, each row against those within the band.
 fn assemble<const W: usize>(equations: &Equations, band: &mut [f64]) {
     let (entries, _) = band.as_chunks_mut::<W>();
-    for (i, (row, entries)) in equations.rows.iter().zip(entries).enumerate() {
-        let [a, b] = row.bodies;
+    for (i, entries) in entries.iter_mut().enumerate() {
+        let first = (i + 1).saturating_sub(W);
+        let (others, row) = (&equations.rows[first..i], &equations.rows[i]);
         let weighted = [0, 1].map(|side| {
             let inverse = &equations.inverse_mass[row.bodies[side] as usize];
             row.jacobian[side].component_mul(inverse)
         });
-        let product = |side: usize, other: &Vector3<f64>| weighted[side].dot(other);
-        let own = product(0, &row.jacobian[0]) + product(1, &row.jacobian[1]);
+        let own = weighted[0].dot(&row.jacobian[0]) + weighted[1].dot(&row.jacobian[1]);
         entries[W - 1] = own + row.compliance;
-        for (k, entry) in entries.iter_mut().enumerate().take(W - 1).skip((W - 1).saturating_sub(i))
-        {
-            let other = &equations.rows[i + k + 1 - W];
-            for (body, jacobian) in other.bodies.iter().zip(&other.jacobian) {
-                // What stands in for no body weighs nothing.
-                if *body == a {
-                    *entry += product(0, jacobian);
-                }
-                if *body == b {
-                    *entry += product(1, jacobian);
-                }
+        for (entry, other) in entries[W - 1 - others.len()..].iter_mut().zip(others) {
+            *entry = coupling(row.bodies, &weighted, other);
+        }
+    }
+}
+
+/// Jᵢ M⁻¹ Jⱼᵀ, given Jᵢ M⁻¹. What stands in for no body weighs nothing.
+#[inline]
+fn coupling(bodies: [u32; 2], weighted: &[Vector3<f64>; 2], other: &WeightedRow) -> f64 {
+    let mut sum = 0.0;
+    for side in 0..2 {
+        for of_other in 0..2 {
+            if bodies[side] == other.bodies[of_other] {
+                sum += weighted[side].dot(&other.jacobian[of_other]);
             }
         }
     }
+    sum
 }
 
 /// Unknowns of one solve.
@@ -110,8 +119,10 @@ struct Sweep {
     y: Vec<f64>,
     /// b̂ − B̂ v − ĉ ŷ, and then the change of ŷ.
     r: Vec<f64>,
-    /// B̂ᵀ dŷ of the last sweep.
+    /// B̂ᵀ ŷ.
     z: Vec<Vector3<f64>>,
+    /// B̂ᵀ dŷ of the last sweep.
+    dz: Vec<Vector3<f64>>,
 }
 
 impl Sweep {
@@ -125,7 +136,8 @@ impl Sweep {
         v.extend(problem.momentum.iter().zip(&metric.equations.inverse_mass).map(free));
         v.push(Vector3::zeros());
         let (y, r) = (scratch.floats.filled(rows, 0.0), scratch.floats.filled(rows, 0.0));
-        Self { v, y, r, z: scratch.vectors.filled(bodies + 1, Vector3::zeros()) }
+        let [z, dz] = [0; 2].map(|_| scratch.vectors.filled(bodies + 1, Vector3::zeros()));
+        Self { v, y, r, z, dz }
     }
 
     /// Writes the remainders; returns the greatest, infinite if one is not a number.
@@ -134,7 +146,7 @@ impl Sweep {
         let mut sum = 0.0;
         for ((row, r), y) in equations.rows.iter().zip(&mut self.r).zip(&self.y) {
             *r = row.rhs - row.velocity(&self.v) - row.compliance * y;
-            worst = worst.max(r.abs());
+            worst = greater(worst, r.abs());
             sum += *r;
         }
         if sum.is_nan() { f64::INFINITY } else { worst }
@@ -142,40 +154,29 @@ impl Sweep {
 
     /// ŷ ← ŷ + r,  v ← v + μM⁻¹ B̂ᵀ r.
     fn advance(&mut self, equations: &Equations) {
-        self.z.fill(Vector3::zeros());
         for ((row, dy), y) in equations.rows.iter().zip(&self.r).zip(&mut self.y) {
             *y += dy;
-            row.add_transposed(*dy, &mut self.z);
+            row.add_transposed(*dy, &mut self.dz);
         }
-        for ((v, z), inverse) in self.v.iter_mut().zip(&self.z).zip(&equations.inverse_mass) {
-            *v += z.component_mul(inverse);
+        let bodies = self.v.iter_mut().zip(&mut self.z).zip(&mut self.dz);
+        for (((v, z), dz), inverse) in bodies.zip(&equations.inverse_mass) {
+            *v += dz.component_mul(inverse);
+            *z += *dz;
+            *dz = Vector3::zeros();
         }
     }
 
-    /// As [`Residual::momentum`].
-    fn momentum_defect(&mut self, problem: &Lcp, metric: &Metric, scratch: &mut Scratch) -> f64 {
-        let Metric { equations, scale, .. } = metric;
-        let balance = &mut self.z;
-        balance.fill(Vector3::zeros());
-        let mut acting = scratch.vectors.filled(balance.len(), Vector3::zeros());
-        for (row, y) in equations.rows.iter().zip(&self.y) {
-            for (body, jacobian) in row.bodies.iter().zip(&row.jacobian) {
-                let (body, change) = (*body as usize, jacobian * *y);
-                balance[body] += change;
-                acting[body] += change.abs();
-            }
+    /// At least [`Residual::momentum`]: the defect relative to s* alone.
+    fn momentum_defect(&self, problem: &Lcp, metric: &Metric) -> f64 {
+        let (mut worst, mut sum) = (0.0_f64, 0.0);
+        let bodies = problem.mass.iter().zip(&problem.momentum).zip(&self.v).zip(&self.z);
+        for (body, (((mass, p), v), z)) in bodies.enumerate() {
+            let defect = mass.component_mul(v) - p - z * metric.unit();
+            let weighted = metric.weighted_momentum(body, &defect);
+            worst = weighted.iter().map(|defect| defect.abs()).fold(worst, greater);
+            sum += weighted.x + weighted.y + weighted.z;
         }
-        let (unit, mut worst) = (metric.unit(), 0.0_f64);
-        for (body, p) in problem.momentum.iter().enumerate() {
-            let held = problem.mass[body].component_mul(&self.v[body]);
-            let defect = metric.weighted_momentum(body, &(held - p - balance[body] * unit));
-            let acting = metric.weighted_momentum(body, &(acting[body] * unit));
-            for k in 0..3 {
-                worst = worst.max(quotient(defect[k].abs(), scale + ROUNDING * acting[k]));
-            }
-        }
-        scratch.vectors.give(acting);
-        worst
+        metric.relative(if sum.is_nan() { sum } else { worst })
     }
 
     fn finish(
@@ -192,6 +193,7 @@ impl Sweep {
         }
         self.v.pop();
         scratch.vectors.give(self.z);
+        scratch.vectors.give(self.dz);
         LcpSolution {
             velocities: self.v,
             impulses: self.y,

@@ -67,6 +67,6 @@ pub use refinement::Reduced;
 pub use residual::Residual;
 pub use scratch::Scratch;
 pub use solution::{LcpSolution, Method, Mode, SolveStats};
-pub use solver::{Guess, LcpSolver, solve_checked};
+pub use solver::{Guess, LcpSolver, solve_assembled, solve_checked};
 pub use sweeps::Sweeps;
 pub use walk::{Walk, walks};

@@ -30,17 +30,18 @@ impl Lcp {
 /// # Panics
 /// If a row is not an equality.
 pub fn solve_linear(problem: &Lcp) -> Result<LcpSolution, LcpError> {
+    assert!(problem.is_linear(), "solve_linear takes equality rows only");
     let mut scratch = Scratch::default();
     Ok(solve_linear_in(problem, &Metric::checked(problem)?, &mut scratch)?.0)
 }
 
-/// The same for a problem that is valid, with its metric.
+/// The same for a problem that is valid and linear, with its metric.
 pub(crate) fn solve_linear_in(
     problem: &Lcp,
     metric: &Metric,
     scratch: &mut Scratch,
 ) -> Result<(LcpSolution, Residual), LcpError> {
-    assert!(problem.is_linear(), "solve_linear takes equality rows only");
+    debug_assert!(problem.is_linear());
     if problem.rows.is_empty() {
         let velocities = problem.free_velocities();
         return Ok((LcpSolution { velocities, ..LcpSolution::default() }, Residual::default()));

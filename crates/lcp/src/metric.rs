@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 
 use crate::equations::Equations;
 use crate::pattern::{Pattern, Patterns};
-use crate::{Law, Lcp, LcpError, NO_BODY, order};
+use crate::{Law, Lcp, LcpError, NO_BODY, Row, order};
 
 /// Below this number of rows, or up to this half-width of their band, bodies are not eliminated.
 const FEW_ROWS: usize = 24;
@@ -50,6 +50,8 @@ pub struct Metric {
     first_rows: Vec<u32>,
     /// μ, the unit of mass.
     unit: f64,
+    /// A sum that is finite only if all numbers of the problem are.
+    sum: f64,
     /// s*, the problem's own scale.
     pub scale: f64,
 }
@@ -105,7 +107,7 @@ impl Metric {
     /// Becomes the metric of another problem, in the same memory.
     pub(crate) fn renew(&mut self, problem: &Lcp, patterns: &mut Patterns) {
         self.unit = power_of_two(problem.mass.iter().fold(0.0, |most: f64, m| most.max(m.x)));
-        self.scale = 0.0;
+        (self.scale, self.sum) = (0.0, 0.0);
         self.weigh_bodies(problem);
         self.weigh_rows(problem);
         self.width = order::half_width_of_all(problem, &mut self.first_rows);
@@ -121,36 +123,41 @@ impl Metric {
             let root = inverse.map(f64::sqrt) * per_unit;
             self.inverse_root_mass.push(root);
             let weighted = momentum.component_mul(&root).abs();
-            self.scale = self.scale.max(weighted.x).max(weighted.y).max(weighted.z);
+            self.scale = weighted.iter().copied().fold(self.scale, greater);
+            self.sum += weighted.x + weighted.y + weighted.z;
         }
     }
 
     fn weigh_rows(&mut self, problem: &Lcp) {
         let none = u32::try_from(problem.mass.len()).expect("fewer bodies than u32 counts");
-        let Equations { rows, inverse_mass, .. } = &mut self.equations;
-        self.root.clear();
-        rows.clear();
-        for row in &problem.rows {
+        let Self { unit, scale, sum, root, equations, .. } = self;
+        let Equations { rows, inverse_mass, .. } = equations;
+        root.clear();
+        root.resize(problem.rows.len(), 0.0);
+        let weigh = |(row, root): (&Row, &mut f64)| {
             let bodies = row.bodies.map(|body| if body == NO_BODY { none } else { body });
             let weight = |side: usize| {
                 let J = &row.jacobian[side];
                 J.component_mul(&inverse_mass[bodies[side] as usize]).dot(J)
             };
             // μ Wᵢᵢ; 1 for a row without influence.
-            let weight = weight(0) + weight(1) + row.compliance * self.unit;
-            let root = if weight > 0.0 { weight.sqrt() } else { self.unit.sqrt() };
+            let weight = weight(0) + weight(1) + row.compliance * *unit;
+            *root = if weight > 0.0 { weight.sqrt() } else { unit.sqrt() };
             let inverse = root.recip();
-            let weighted = WeightedRow {
-                bodies,
-                jacobian: row.jacobian.map(|J| J * inverse),
-                rhs: row.rhs * inverse,
-                compliance: row.compliance * (inverse * inverse * self.unit),
-                inverse,
-            };
-            self.scale = self.scale.max(weighted.rhs.abs());
-            self.root.push(root);
-            rows.push(weighted);
-        }
+            let rhs = row.rhs * inverse;
+            *scale = greater(*scale, rhs.abs());
+            *sum += weight + rhs;
+            let jacobian = [row.jacobian[0] * inverse, row.jacobian[1] * inverse];
+            let compliance = row.compliance * (inverse * inverse * *unit);
+            WeightedRow { bodies, jacobian, rhs, compliance, inverse }
+        };
+        rows.clear();
+        rows.extend(problem.rows.iter().zip(root).map(weigh));
+    }
+
+    /// Whether all numbers of the problem are finite, and their squares.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.sum.is_finite()
     }
 
     /// Whether eliminating bodies was thought of.
@@ -242,6 +249,12 @@ impl Metric {
             Law::Equality | Law::Unilateral => f64::INFINITY,
         }
     }
+}
+
+/// The greater of two numbers that are none of them NaN, or the first.
+#[inline]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
 /// The largest power of two up to a positive number; 1 where there is none.

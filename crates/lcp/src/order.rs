@@ -29,7 +29,9 @@ fn greatest_distance(
     for (position, bodies) in (0..).zip(rows) {
         for body in bodies {
             if let Some(first) = first.get_mut(body as usize) {
-                *first = (*first).min(position);
+                if *first == u32::MAX {
+                    *first = position;
+                }
                 greatest = greatest.max(position - *first);
             }
         }

@@ -52,6 +52,38 @@ pub fn solve_checked(
 ) -> Result<(LcpSolution, Residual), LcpError> {
     problem.validate()?;
     let metric = scratch.metric(problem);
+    judged(solver, problem, guess, metric, scratch, tolerance)
+}
+
+/// The same for a problem whose sizes, indices and signs are right because an engine put them there.
+///
+/// # Errors
+/// As [`solve_checked`]: numbers that are not finite or too large are found all the same.
+///
+/// # Panics
+/// If an index is out of range.
+pub fn solve_assembled(
+    solver: &dyn LcpSolver,
+    problem: &Lcp,
+    guess: Option<&Guess>,
+    scratch: &mut Scratch,
+    tolerance: f64,
+) -> Result<(LcpSolution, Residual), LcpError> {
+    let metric = scratch.metric(problem);
+    if !metric.is_finite() {
+        problem.validate()?;
+    }
+    judged(solver, problem, guess, metric, scratch, tolerance)
+}
+
+fn judged(
+    solver: &dyn LcpSolver,
+    problem: &Lcp,
+    guess: Option<&Guess>,
+    metric: Metric,
+    scratch: &mut Scratch,
+    tolerance: f64,
+) -> Result<(LcpSolution, Residual), LcpError> {
     let answer = answer(solver, problem, guess, &metric, scratch);
     scratch.give_metric(metric);
     let (solution, residual) = answer?;
