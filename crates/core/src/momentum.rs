@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::frames::Frames;
 use crate::model::{Control, Force};
 use crate::row::RowContext;
 use crate::scene::Scene;
@@ -9,13 +10,19 @@ use crate::scene::Scene;
 /// p per body, (N·s, N·s, N·m·s); zero for bodies without unknowns.
 #[must_use]
 pub fn momentum(context: &RowContext<'_>, time: f64) -> Vec<Vector3<f64>> {
-    let mut p = Vec::new();
-    momentum_into(context, time, &mut p);
+    let (mut p, mut frames) = (Vec::new(), Frames::default());
+    frames.place(context.q);
+    momentum_into(context, &frames, time, &mut p);
     p
 }
 
-/// The same into memory that is used again.
-pub(crate) fn momentum_into(context: &RowContext<'_>, time: f64, p: &mut Vec<Vector3<f64>>) {
+/// The same into memory that is used again, where the frames of the context's poses are at hand.
+pub(crate) fn momentum_into(
+    context: &RowContext<'_>,
+    frames: &Frames,
+    time: f64,
+    p: &mut Vec<Vector3<f64>>,
+) {
     let scene = context.scene;
     p.clear();
     p.extend((0..scene.bodies.len()).map(|i| inertial(context, i)));
@@ -25,7 +32,7 @@ pub(crate) fn momentum_into(context: &RowContext<'_>, time: f64, p: &mut Vec<Vec
     for (control, u) in scene.controls.iter().zip(context.control) {
         match *control {
             Control::Wrench { body, component } => p[body][component] += scene.dt * u,
-            Control::JointForce { joint } => add_joint_force(context, joint, *u, p),
+            Control::JointForce { joint } => add_joint_force(context, frames, joint, *u, p),
             Control::MotorSpeed { .. } => {}
         }
     }
@@ -49,10 +56,16 @@ pub fn overlap(force: &Force, time: f64, dt: f64) -> f64 {
     (force.end.min(time + dt) - force.start.max(time)).max(0.0)
 }
 
-fn add_joint_force(context: &RowContext<'_>, joint: usize, u: f64, p: &mut [Vector3<f64>]) {
+fn add_joint_force(
+    context: &RowContext<'_>,
+    frames: &Frames,
+    joint: usize,
+    u: f64,
+    p: &mut [Vector3<f64>],
+) {
     let free = context.scene.joints[joint].free.expect("checked when the scene was built");
     let index = u32::try_from(joint).expect("fewer joints than u32 counts");
-    let row = context.joint_geometry(index, free);
+    let row = context.joint_geometry_in(index, free, frames);
     for (body, j) in row.bodies.iter().zip(row.jacobian) {
         if let Some(body) = body {
             p[*body] += j * (context.scene.dt * u);

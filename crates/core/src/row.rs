@@ -143,17 +143,25 @@ impl RowContext<'_> {
     }
 
     fn contact_row_geometry(&self, source: RowSource) -> RowGeometry {
+        let of = |contact: u32| self.contact_geometries(&self.contacts[contact as usize]);
         match source {
-            RowSource::Tangent { contact } => {
-                let contact = &self.contacts[contact as usize];
-                self.contact_geometry(contact, &pose::perp(&contact.normal), 0.0)
-            }
-            RowSource::Normal { contact } => {
-                let contact = &self.contacts[contact as usize];
-                self.contact_geometry(contact, &contact.normal, contact.gap)
-            }
+            RowSource::Normal { contact } => of(contact)[0],
+            RowSource::Tangent { contact } => of(contact)[1],
             _ => unreachable!("rows of joints have a joint"),
         }
+    }
+
+    /// Value and gradient of a contact's normal row and of its friction row.
+    pub(crate) fn contact_geometries(&self, contact: &Contact) -> [RowGeometry; 2] {
+        let bodies = contact.feature.id.bodies.map(|b| b as usize);
+        let turned = bodies.map(|body| pose::perp(&(contact.point - self.q[body].xy())));
+        let bodies = bodies.map(Some);
+        let along = |d: &Vector2<f64>, value: f64| {
+            let [a, b] = [d.dot(&turned[0]), d.dot(&turned[1])];
+            let jacobian = [Vector3::new(-d.x, -d.y, -a), Vector3::new(d.x, d.y, b)];
+            RowGeometry { bodies, value, jacobian }
+        };
+        [along(&contact.normal, contact.gap), along(&pose::perp(&contact.normal), 0.0)]
     }
 
     /// J v⁻ of a row over both its sides, m/s or rad/s.
@@ -292,22 +300,11 @@ impl RowContext<'_> {
         }
     }
 
-    /// The law of a row; `normal` is the index of the row before, for friction.
-    #[must_use]
-    pub fn law(&self, source: RowSource, normal: u32) -> Law {
-        match source {
-            RowSource::Held { .. } => Law::Equality,
-            RowSource::Lower { .. } | RowSource::Upper { .. } | RowSource::Normal { .. } => {
-                Law::Unilateral
-            }
-            RowSource::Motor { joint } => match self.joint(joint).motor.and_then(|m| m.max) {
-                Some(max) => Law::Bounded { max: max * self.scene.dt },
-                None => Law::Equality,
-            },
-            RowSource::Tangent { contact } => {
-                let [a, b] = self.contact_bodies(contact);
-                Law::Friction { normal, mu: self.scene.pair_friction(a, b).value }
-            }
+    /// The law of a joint's motor row.
+    pub(crate) fn motor_law(&self, joint: u32) -> Law {
+        match self.joint(joint).motor.and_then(|m| m.max) {
+            Some(max) => Law::Bounded { max: max * self.scene.dt },
+            None => Law::Equality,
         }
     }
 
@@ -360,13 +357,6 @@ impl RowContext<'_> {
         let sides = bodies.map(|body| frames.side(body));
         let m = row.measure.evaluate_in(sides, [&anchors[0], &anchors[1]]);
         RowGeometry { bodies: *bodies, value: m.value - row.reference, jacobian: m.jacobian }
-    }
-
-    fn contact_geometry(&self, contact: &Contact, d: &Vector2<f64>, value: f64) -> RowGeometry {
-        let bodies = contact.feature.id.bodies.map(|b| b as usize);
-        let turn = |i: usize| d.dot(&pose::perp(&(contact.point - self.q[bodies[i]].xy())));
-        let jacobian = [Vector3::new(-d.x, -d.y, -turn(0)), Vector3::new(d.x, d.y, turn(1))];
-        RowGeometry { bodies: bodies.map(Some), value, jacobian }
     }
 
     fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {

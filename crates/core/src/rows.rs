@@ -87,7 +87,8 @@ impl Rows {
         }
         if joint.motor.is_some() && context.stage.is_velocity() {
             let source = RowSource::Motor { joint: index };
-            self.push(context, source, &context.geometry_in(source, frames));
+            let law = context.motor_law(index);
+            self.push(context, source, &context.geometry_in(source, frames), law);
         }
     }
 
@@ -96,12 +97,16 @@ impl Rows {
             if !contact.normal.x.is_finite() {
                 continue; // moved until two points coincide: nothing to mend, and no direction
             }
-            let source = RowSource::Normal { contact: index };
-            self.push(context, source, &context.geometry(source));
+            let [normal, tangent] = context.contact_geometries(contact);
+            self.push(context, RowSource::Normal { contact: index }, &normal, Law::Unilateral);
+            if !context.stage.is_velocity() {
+                continue;
+            }
             let [a, b] = context.contact_bodies(index);
-            if context.stage.is_velocity() && context.scene.pair_friction(a, b).value > 0.0 {
-                let source = RowSource::Tangent { contact: index };
-                self.push(context, source, &context.geometry(source));
+            let mu = context.scene.pair_friction(a, b).value;
+            if mu > 0.0 {
+                let law = Law::Friction { normal: number(self.rows.len() - 1), mu };
+                self.push(context, RowSource::Tangent { contact: index }, &tangent, law);
             }
         }
     }
@@ -119,18 +124,23 @@ impl Rows {
         let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
         let bound: f64 = geometry.jacobian.iter().map(travel).sum();
         if geometry.value <= bound {
-            self.push(context, source, &geometry);
+            self.push(context, source, &geometry, Law::Unilateral);
         }
     }
 
-    fn push(&mut self, context: &RowContext<'_>, source: RowSource, geometry: &RowGeometry) {
-        let before = number(self.rows.len()).saturating_sub(1);
+    fn push(
+        &mut self,
+        context: &RowContext<'_>,
+        source: RowSource,
+        geometry: &RowGeometry,
+        law: Law,
+    ) {
         let mut row = Row {
             bodies: [NO_BODY; 2],
             jacobian: [Vector3::zeros(); 2],
             rhs: 0.0,
             compliance: 0.0,
-            law: context.law(source, before),
+            law,
         };
         for side in 0..2 {
             if let Some(body) = geometry.bodies[side]
@@ -153,12 +163,13 @@ pub(crate) fn set_right_side(
     geometry: &RowGeometry,
     row: &mut Row,
 ) {
-    let bounces = matches!(source, RowSource::Normal { .. });
-    let speed = if bounces { context.speed(geometry) } else { 0.0 };
-    let rhs = context.rhs(source, geometry.value, speed);
-    row.rhs = rhs.value;
-    row.compliance = rhs.compliance;
-    if context.stage.is_velocity() {
+    let rhs = match source {
+        RowSource::Tangent { .. } => Rhs::default(),
+        RowSource::Normal { .. } => context.rhs(source, geometry.value, context.speed(geometry)),
+        _ => context.rhs(source, geometry.value, 0.0),
+    };
+    (row.rhs, row.compliance) = (rhs.value, rhs.compliance);
+    if context.stage.is_velocity() && row.bodies.contains(&NO_BODY) {
         row.rhs -= driven_speed(context, geometry);
     }
 }

@@ -96,7 +96,7 @@ pub(crate) fn set_up(
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
     let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[] };
     let mut momentum = scratch.vectors.take();
-    momentum_into(&context, state.time, &mut momentum);
+    momentum_into(&context, &scratch.frames, state.time, &mut momentum);
     let mut contacts = scratch.contacts.take();
     scratch.detection.detect(scene, state, scratch.frames.bodies(), &momentum, &mut contacts)?;
     let context = RowContext { contacts: &contacts, ..context };

@@ -91,7 +91,8 @@ impl Polish<'_> {
     /// Whether the candidate's residual is at the target, or at rounding.
     #[must_use]
     pub fn reached(&self, candidate: &Polished) -> bool {
-        candidate.max() <= self.target.max(candidate.rounding(self.metric))
+        let residual = candidate.max();
+        residual <= self.target || residual <= candidate.rounding(self.metric)
     }
 
     /// Polishes an approximate solution, of which impulses and velocities are used. Modes are read
