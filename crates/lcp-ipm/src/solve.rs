@@ -13,12 +13,13 @@ use crate::system::{RowSystem, System};
 /// Interior-point solver with active-set polish.
 ///
 /// Stages, each tried only if the one before left a residual above `tolerance`: the guess through the
-/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully, with
-/// the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
-/// contradicting rows, and the last resorts: a walk along the active sets from projected Gauss–Seidel's
-/// iterate; Lemke's method on the rows in play and on all, for problems of moderate size; the
-/// interior point with a more patient polish; all modes of the few rows that are most in doubt. A
-/// solution is returned if its natural residual is at most `acceptance`.
+/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully,
+/// with the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes
+/// that seem settled. Where the residual is then above `acceptance`, a test for contradicting rows,
+/// and the last resorts: a walk along the active sets from projected Gauss–Seidel's iterate; Lemke's
+/// method on the rows in play and on all, for problems of moderate size; the interior point with a
+/// more patient polish; all modes of the few rows that are most in doubt. A solution is returned if
+/// its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
@@ -50,26 +51,24 @@ impl Default for InteriorPoint {
     }
 }
 
-/// When and how thoroughly an iterate of the interior point is polished.
-#[derive(Clone, Copy, Debug)]
+/// How thoroughly modes are polished before the interior point has converged.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Polishing {
+    /// Most mode corrections of the modes at the free velocities.
+    cold_flips: u32,
     /// Natural residual, of unknowns of about one, below which all means are used.
     near_end: f64,
-    /// Mode corrections before that, of modes that seem settled.
+    /// Most mode corrections before that, of modes that seem settled.
     flips: u32,
 }
 
-impl Polishing {
-    /// Where rows are many, a few of the modes are wrong until late, and a polish that goes astray
-    /// costs more than iterations.
-    fn of(rows: usize) -> Self {
-        if rows <= 100 {
-            Self { near_end: 1e-2, flips: 4 }
-        } else {
-            Self { near_end: 1e-6, flips: 0 }
-        }
-    }
-}
+/// Where an evaluation of modes costs no more than an iteration, or nothing else has worked.
+const THOROUGH: Polishing = Polishing { cold_flips: u32::MAX, near_end: 1e-2, flips: 4 };
+/// Where rows are many: a few of the modes are wrong until late, and a polish that goes astray costs
+/// more than iterations.
+const SPARING: Polishing = Polishing { cold_flips: 1, near_end: 1e-6, flips: 0 };
+/// Rows that are many.
+const MANY_ROWS: usize = 100;
 
 /// Above this number of rows, their own matrix is not formed.
 const MOST_ROWS: usize = 2000;
@@ -96,7 +95,10 @@ impl LcpSolver for InteriorPoint {
         let metric = scratch.metric(problem);
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let (answered, stats) = (Method::ActiveSet, SolveStats::default());
-        let search = Search { settings: *self, polish, scratch, best: None, answered, stats };
+        let many = problem.rows.len() > MANY_ROWS;
+        let polishing = if many { SPARING } else { THOROUGH };
+        let search =
+            Search { settings: *self, polish, scratch, best: None, answered, polishing, stats };
         let found = search.run(guess);
         scratch.give_metric(metric);
         found
@@ -111,6 +113,7 @@ struct Search<'a> {
     best: Option<Polished>,
     /// The method that found the best.
     answered: Method,
+    polishing: Polishing,
     stats: SolveStats,
 }
 
@@ -120,8 +123,7 @@ impl Search<'_> {
         if guess.is_some_and(|guess| self.warm(guess)) || self.settings.cold_modes && self.cold() {
             return self.finish();
         }
-        self.stats.method = Method::InteriorPoint;
-        if self.by_bodies() || self.is_accepted() {
+        if self.by_bodies(BOLD) || self.thorough() || self.is_accepted() {
             return self.finish();
         }
         let Polish { problem, metric, .. } = self.polish;
@@ -200,12 +202,14 @@ impl Search<'_> {
         let sticking = self.polish.cold_modes(false);
         let sliding = self.polish.cold_modes(true);
         let same = sticking == sliding;
-        let candidate = self.polish.modes(&sticking, None, self.scratch);
+        let flips = self.polishing.cold_flips.min(self.polish.max_flips);
+        let polish = Polish { max_flips: flips, ..self.polish };
+        let candidate = polish.modes(&sticking, None, self.scratch);
         if self.offer(candidate) {
             return true;
         }
         !same && {
-            let candidate = self.polish.modes(&sliding, None, self.scratch);
+            let candidate = polish.modes(&sliding, None, self.scratch);
             self.offer(candidate)
         }
     }
@@ -277,11 +281,19 @@ impl Search<'_> {
         })
     }
 
+    /// What was done sparingly, again; and the careful interior point.
+    fn thorough(&mut self) -> bool {
+        let sparing = std::mem::replace(&mut self.polishing, THOROUGH) == SPARING;
+        self.stats.method = Method::ActiveSet;
+        sparing && self.settings.cold_modes && self.cold() || self.by_bodies(CAREFUL)
+    }
+
     /// The interior point with the rows eliminated.
-    fn by_bodies(&mut self) -> bool {
+    fn by_bodies(&mut self, pace: Pace) -> bool {
+        self.stats.method = Method::InteriorPoint;
         let Polish { problem, metric, .. } = self.polish;
         let Some(mut system) = BodySystem::new(problem, metric, self.scratch) else { return false };
-        let found = self.interior(&mut system, BOLD) || self.interior(&mut system, CAREFUL);
+        let found = self.interior(&mut system, pace);
         system.give(self.scratch);
         found
     }
@@ -294,7 +306,7 @@ impl Search<'_> {
     fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
         let before = self.stats.iterations;
         let mut path = Loop::new(system, pace, self.scratch);
-        let polishing = Polishing::of(self.polish.problem.rows.len());
+        let polishing = self.polishing;
         let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
         let mut found = false;
         while !found && path.iterations < self.settings.max_iterations {
