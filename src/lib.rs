@@ -1,5 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+#[cfg(feature = "parallel")]
+pub use tangency_batch as batch;
 pub use tangency_collision as collision;
 pub use tangency_core as core;
 pub use tangency_diff as diff;

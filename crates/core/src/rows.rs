@@ -21,6 +21,10 @@ impl Rows {
     pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
         self.sources.clear();
         self.rows.clear();
+        // The lists may end in a record: they take no more than they need.
+        let held: usize = context.scene.joints.iter().map(|joint| joint.held.len()).sum();
+        self.sources.reserve_exact(held + 2 * context.contacts.len());
+        self.rows.reserve_exact(held + 2 * context.contacts.len());
         let post = !context.stage.is_velocity();
         for (index, joint) in (0_u32..).zip(&context.scene.joints) {
             if post && joint.softness.is_some() {

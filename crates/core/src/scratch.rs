@@ -54,6 +54,15 @@ impl StepScratch {
         self.vectors.give(after.v);
     }
 
+    /// Takes the memory of the factored systems of a record that is kept, but rarely differentiated: a
+    /// derivative then factors them again, to the same bits.
+    pub fn recycle_systems(&mut self, record: &mut StepRecord) {
+        let post = record.post.iter_mut().flat_map(|post| &mut post.islands);
+        for island in record.islands.iter_mut().chain(post) {
+            self.lcp.recycle_system(&mut island.solution);
+        }
+    }
+
     /// Takes the memory of a run that is needed no more.
     pub fn recycle_run(&mut self, run: Rollout) {
         run.records.into_iter().for_each(|record| self.recycle(record));

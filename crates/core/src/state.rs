@@ -22,8 +22,8 @@ impl State {
     /// Refuses a state that does not fit a scene of so many bodies, or is not finite.
     ///
     /// # Errors
-    /// [`StepError::StateSize`] or [`StepError::NotFinite`].
-    pub(crate) fn check(&self, expected: usize) -> Result<(), StepError> {
+    /// [`StepError::StateSize`], [`StepError::NotFinite`] or [`StepError::TimeNotFinite`].
+    pub fn check(&self, expected: usize) -> Result<(), StepError> {
         for found in [self.q.len(), self.v.len()] {
             if found != expected {
                 return Err(StepError::StateSize { expected, found });

@@ -51,6 +51,18 @@ pub struct ActiveSystem {
     rank_defect: u32,
 }
 
+/// Up to so many active rows a second attempt by rows is affordable.
+const MOST_ROWS: usize = 400;
+
+/// What is eliminated first.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Elimination {
+    /// Bodies or rows, whichever costs less.
+    Cheapest,
+    /// Rows.
+    Rows,
+}
+
 /// A sliding friction row: its impulse is `coefficient` times that of slot `column`.
 #[derive(Clone, Copy, Debug)]
 pub struct Fold {
@@ -116,6 +128,34 @@ impl ActiveSystem {
         modes: &[Mode],
         scratch: &mut Scratch,
     ) {
+        self.renew_by(Elimination::Cheapest, problem, metric, modes, scratch);
+    }
+
+    /// The same by the rows, with exchanges, where sliding friction may have spoilt an elimination by
+    /// bodies and the problem is not too large for it; whether that was so.
+    pub(crate) fn renew_by_rows(
+        &mut self,
+        problem: &Lcp,
+        metric: &Metric,
+        modes: &[Mode],
+        scratch: &mut Scratch,
+    ) -> bool {
+        let by_bodies = matches!(self.factor, Factor::Bodies(_)) && !self.folds.is_empty();
+        if by_bodies && self.rows.len() <= MOST_ROWS {
+            self.renew_by(Elimination::Rows, problem, metric, modes, scratch);
+            return true;
+        }
+        false
+    }
+
+    fn renew_by(
+        &mut self,
+        elimination: Elimination,
+        problem: &Lcp,
+        metric: &Metric,
+        modes: &[Mode],
+        scratch: &mut Scratch,
+    ) {
         std::mem::take(&mut self.factor).give(scratch);
         self.unit = metric.unit();
         list_active(problem, modes, &mut self.rows);
@@ -123,9 +163,13 @@ impl ActiveSystem {
         list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
-        let chosen = metric.pattern(self.rows.len(), width, !self.folds.is_empty());
+        let chosen = match elimination {
+            Elimination::Cheapest => metric.pattern(self.rows.len(), width, !self.folds.is_empty()),
+            Elimination::Rows => None,
+        };
         // Rows as they come were found cheap.
-        let cheap = chosen.is_none() && metric.has_pattern();
+        let cheap =
+            elimination == Elimination::Cheapest && chosen.is_none() && metric.has_pattern();
         self.factor = match chosen {
             Some(pattern) => {
                 equations.gather(problem, metric, self);
@@ -445,7 +489,9 @@ fn list_folds(
     for (slot, &row) in rows.iter().enumerate() {
         slots[row as usize] = slot as u32;
     }
-    folds.iter_mut().for_each(|fold| fold.column = slots[fold.column as usize]);
+    for fold in folds {
+        fold.column = slots[fold.column as usize];
+    }
     scratch.indices.give(slots);
 }
 

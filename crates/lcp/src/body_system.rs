@@ -9,8 +9,6 @@
 //! D is triangular per contact, and so is G: y_n = r_n / a_n, y_t = (r_t − e y_n) / a_t. However many
 //! rows a pair of bodies shares, K has one 3 × 3 block for it.
 
-#![expect(non_snake_case, reason = "matrices carry their names from the notes")]
-
 use nalgebra::Vector3;
 
 use crate::block_factor::BlockFactor;

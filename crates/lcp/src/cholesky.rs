@@ -98,8 +98,8 @@ fn factor_envelope(matrix: &mut BandMatrix, first: &mut [u32], inverse: &mut [f6
         let from = start + matrix.row(i, start, i).iter().take_while(|&&a| a == 0.0).count();
         first[i] = from as u32;
         let base = matrix.at(i, 0);
-        for j in from..i {
-            let common = from.max(first[j] as usize);
+        for (j, first) in first.iter().enumerate().take(i).skip(from) {
+            let common = from.max(*first as usize);
             let sum = dot(matrix.row(i, common, j), matrix.row(j, common, j));
             matrix.data[base + j] -= sum;
         }

@@ -168,8 +168,12 @@ fn minimum_degree(bodies: usize, edges: &[[u32; 2]]) -> Vec<u32> {
     let mut sorted: Vec<[u32; 2]> = edges.iter().map(|[a, b]| [*b, *a]).collect();
     sorted.sort_unstable();
     let mut start = vec![0_u32; bodies + 1];
-    sorted.iter().for_each(|[column, _]| start[*column as usize + 1] += 1);
-    (0..bodies).for_each(|body| start[body + 1] += start[body]);
+    for [column, _] in &sorted {
+        start[*column as usize + 1] += 1;
+    }
+    for body in 0..bodies {
+        start[body + 1] += start[body];
+    }
     let rows: Vec<u32> = sorted.iter().map(|[_, row]| *row).collect();
     let upper = SymbolicSparseColMatRef::new_checked(bodies, bodies, &start, None, &rows);
     let mut memory = MemBuffer::new(amd::order_scratch::<u32>(bodies, rows.len()));

@@ -21,6 +21,8 @@ const TOUCH: f64 = 1e-9;
 const NEAR_MISS: f64 = 1e-5;
 /// No rounding excuses a residual above this.
 const MOST_ROUNDING: f64 = 1e-11;
+/// Equations that leave more than this contradict each other, or were not solved well.
+const DOUBTFUL: f64 = 1e-9;
 /// Doubtful contacts are tried released below these impulses, relative to s*.
 const RELEASES: [f64; 3] = [0.0, 1e-7, 1e-4];
 
@@ -222,10 +224,21 @@ impl Polish<'_> {
         if let Some(system) = Arc::get_mut(&mut system) {
             system.renew(self.problem, self.metric, modes, scratch);
         }
-        let least = self.candidate(&system, modes, None, scratch);
+        let (mut least, defect) = self.candidate(&system, modes, None, scratch);
+        let again = defect > DOUBTFUL && {
+            least.solution.system = None;
+            let system = Arc::get_mut(&mut system).expect("nobody else has it");
+            system.renew_by_rows(self.problem, self.metric, modes, scratch)
+        };
+        if again {
+            scratch.recycle(least.solution);
+            least = self.candidate(&system, modes, None, scratch).0;
+        } else {
+            least.solution.system = Some(Arc::clone(&system));
+        }
         match start {
             Some(start) if system.rank_defect() > 0 && !self.reached(&least) => {
-                let near = self.candidate(&system, modes, Some(start), scratch);
+                let near = self.candidate(&system, modes, Some(start), scratch).0;
                 let (kept, dropped) =
                     if least.max() <= near.max() { (least, near) } else { (near, least) };
                 scratch.recycle(dropped.solution);
@@ -235,17 +248,19 @@ impl Polish<'_> {
         }
     }
 
+    /// A candidate, and the defect of its equations.
     fn candidate(
         &self,
         system: &Arc<ActiveSystem>,
         modes: &[Mode],
         start: Option<&[f64]>,
         scratch: &mut Scratch,
-    ) -> Polished {
+    ) -> (Polished, f64) {
         let (velocities, impulses) = (scratch.vectors.take(), scratch.floats.take());
         let mut reduced = Reduced { velocities, impulses, defect: 0.0 };
         system.solve_gathered(self.problem, start, scratch, &mut reduced);
-        self.assemble(system, modes, reduced, scratch)
+        let defect = reduced.defect;
+        (self.assemble(system, modes, reduced, scratch), defect)
     }
 
     /// Second attempt at a near miss: nearly dependent rows.

@@ -52,6 +52,13 @@ impl Scratch {
         copy
     }
 
+    /// Takes the memory of a solution's factored system; a derivative then factors it again.
+    pub fn recycle_system(&mut self, solution: &mut LcpSolution) {
+        if let Some(system) = solution.system.take() {
+            self.give_system(system);
+        }
+    }
+
     /// An active system of whatever came before.
     pub(crate) fn system(&mut self) -> Arc<ActiveSystem> {
         self.systems.pop().unwrap_or_default()

@@ -1,0 +1,100 @@
+//! Rollouts side by side.
+
+use rayon::prelude::*;
+use tangency_core::{Rollout, State, rollout_in};
+
+use crate::controls::Place;
+use crate::outcomes::Outcomes;
+use crate::workspace::{Workspace, task_length};
+use crate::{Batch, BatchError, Controls, Failure};
+
+impl Batch {
+    /// One rollout per environment, from where it is; the environments stay there.
+    ///
+    /// Holds all tapes at once. Where something smaller is wanted of each, see
+    /// [`map_rollouts`](Self::map_rollouts).
+    ///
+    /// # Errors
+    /// [`BatchError::ControlSize`]. Failures of single environments are among the outcomes.
+    pub fn rollout(
+        &self,
+        steps: usize,
+        controls: Controls<'_>,
+    ) -> Result<Outcomes<Rollout>, BatchError> {
+        controls.check(self.len(), steps, self.channels)?;
+        Ok(self.look_ahead(|environment, workspace| {
+            self.roll(self.place(environment, steps), &controls, workspace)
+        }))
+    }
+
+    /// What `map(environment, rollout)` makes of every environment's rollout from where it is; the
+    /// environments stay there.
+    ///
+    /// Holds one tape per thread at a time, in memory that the batch keeps for its next work.
+    ///
+    /// # Errors
+    /// As [`rollout`](Self::rollout).
+    pub fn map_rollouts<T: Send>(
+        &self,
+        steps: usize,
+        controls: Controls<'_>,
+        map: impl Fn(usize, &Rollout) -> T + Sync,
+    ) -> Result<Outcomes<T>, BatchError> {
+        self.try_map_rollouts(steps, controls, |environment, run| Ok(map(environment, run)))
+    }
+
+    /// As [`map_rollouts`](Self::map_rollouts), with a `map` that may fail.
+    pub(crate) fn try_map_rollouts<T: Send>(
+        &self,
+        steps: usize,
+        controls: Controls<'_>,
+        map: impl Fn(usize, &Rollout) -> Result<T, Failure> + Sync,
+    ) -> Result<Outcomes<T>, BatchError> {
+        controls.check(self.len(), steps, self.channels)?;
+        Ok(self.look_ahead(|environment, workspace| {
+            let run = self.roll(self.place(environment, steps), &controls, workspace)?;
+            let made = map(environment, &run);
+            workspace.scratch.recycle_run(run);
+            made
+        }))
+    }
+
+    /// `work(environment, workspace)` for all environments.
+    pub(crate) fn look_ahead<T: Send>(
+        &self,
+        work: impl Fn(usize, &mut Workspace) -> Result<T, Failure> + Sync,
+    ) -> Outcomes<T> {
+        let results: Vec<Result<T, Failure>> = (0..self.len())
+            .into_par_iter()
+            .with_max_len(task_length(self.len()))
+            .map_init(
+                || self.workspaces.lend(),
+                |workspace, environment| work(environment, workspace),
+            )
+            .collect();
+        results.into_iter().collect()
+    }
+
+    fn place(&self, environment: usize, steps: usize) -> Place {
+        Place { environment, step: 0, steps, channels: self.channels }
+    }
+
+    /// The rollout of one environment.
+    fn roll(
+        &self,
+        place: Place,
+        controls: &Controls<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<Rollout, Failure> {
+        let Place { environment, steps, .. } = place;
+        let Workspace { scratch, control: room } = workspace;
+        let (scene, initial) = (self.scene(environment), self.state(environment).clone());
+        let mut step = 0;
+        let control = |k, state: &State| {
+            step = k;
+            controls.at(Place { step, ..place }, state, room).to_vec()
+        };
+        rollout_in(scene, &*self.solver, initial, steps, control, scratch)
+            .map_err(|source| Failure::Step { environment, step, source })
+    }
+}
