@@ -29,7 +29,7 @@ const FREE: f64 = 3e4;
 const SOUND: f64 = 1e-3;
 
 /// Refinement mends a defect below this part of the right-hand side in a few sweeps.
-const MENDED: f64 = 1e-3;
+const MENDED: f64 = 1e-6;
 
 /// A 3 × 3 block, row by row.
 pub(crate) type Block = [f64; 9];
@@ -87,7 +87,9 @@ impl BlockFactor {
         equations.products(&y, &mut product, scratch);
         let size = r.iter().fold(0.0_f64, |size, r| size.max(r.abs()));
         let proven = product.iter().zip(&r).all(|(p, r)| (p - r).abs() <= MENDED * size);
-        [y, r, product].into_iter().for_each(|floats| scratch.floats.give(floats));
+        for floats in [y, r, product] {
+            scratch.floats.give(floats);
+        }
         proven
     }
 

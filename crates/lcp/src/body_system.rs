@@ -241,6 +241,8 @@ fn list_remainders(
     q.extend(equations.rows.iter().map(|row| row.velocity(v) - row.rhs));
     let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
     let scale = if largest > 0.0 { largest } else { 1.0 };
-    q.iter_mut().for_each(|q| *q /= scale);
+    for q in q {
+        *q /= scale;
+    }
     scale
 }

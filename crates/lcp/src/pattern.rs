@@ -109,11 +109,11 @@ impl Pattern {
         let mut last = None;
         let mut next = self.block.iter();
         for row in &problem.rows {
-            if last != Some(row.bodies) {
+            if last == Some(row.bodies) {
+                blocks.push(blocks[blocks.len() - 1]);
+            } else {
                 blocks.extend(next.next());
                 last = Some(row.bodies);
-            } else {
-                blocks.push(blocks[blocks.len() - 1]);
             }
         }
     }
