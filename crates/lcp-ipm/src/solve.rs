@@ -68,6 +68,10 @@ const SPARING: Polishing = Polishing { cold_flips: 1, near_end: 1e-6, flips: 0 }
 /// Rows that are many.
 const MANY_ROWS: usize = 100;
 
+/// Residual that dependent rows may leave by rounding alone.
+const CLOSE: f64 = 1e-11;
+/// Iterations after a candidate of such a residual.
+const SPARE: u32 = 3;
 /// Above this number of rows, their own matrix is not formed.
 const MOST_ROWS: usize = 2000;
 
@@ -117,7 +121,7 @@ impl Search<'_> {
         if guess.is_some_and(|guess| self.warm(guess)) || self.settings.cold_modes && self.cold() {
             return self.finish();
         }
-        if self.by_bodies(BOLD) || self.thorough() || self.is_accepted() {
+        if self.by_bodies(BOLD) || self.is_close() || self.thorough() || self.is_accepted() {
             return self.finish();
         }
         let Polish { problem, metric, .. } = self.polish;
@@ -133,6 +137,13 @@ impl Search<'_> {
         }
         let _ = self.last_resorts(form.as_ref());
         self.finish()
+    }
+
+    /// Whether the best candidate is acceptable and as close as rows allow that nearly depend on each
+    /// other: they may contradict each other by so much.
+    fn is_close(&self) -> bool {
+        let most = self.settings.acceptance.min(CLOSE);
+        self.best.as_ref().is_some_and(|best| best.max() <= most)
     }
 
     pub(crate) fn is_accepted(&self) -> bool {
@@ -211,8 +222,8 @@ impl Search<'_> {
         let mut path = Loop::new(system, pace, self.scratch);
         let polishing = self.polishing;
         let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
-        let mut found = false;
-        while !found && path.iterations < self.settings.max_iterations {
+        let (mut found, mut spare) = (false, SPARE);
+        while !found && spare > 0 && path.iterations < self.settings.max_iterations {
             let going = path.advance(self.scratch);
             self.stats.factorisations += 1;
             self.stats.iterations = before + path.iterations;
@@ -225,6 +236,7 @@ impl Search<'_> {
             if !going {
                 break;
             }
+            spare -= u32::from(self.is_close());
         }
         path.give(self.scratch);
         self.scratch.modes.give(glanced);
