@@ -3,9 +3,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use tangency::LcpSolver;
 use tangency::core::lcp::{Lcp, Scratch};
 use tangency::core::{Path, Scene, SceneDef, simulate};
 use tangency_bench::scenes;
+use tangency_lcp_ipm::InteriorPoint;
 
 /// The largest complementarity problem of a run.
 fn recorded(def: &SceneDef, steps: usize) -> Lcp {
@@ -18,6 +20,15 @@ fn recorded(def: &SceneDef, steps: usize) -> Lcp {
         .expect("a step with contacts")
 }
 
+/// The shipped solvers, and the interior point without modes read at the free velocities.
+fn candidates() -> Vec<(&'static str, Box<dyn LcpSolver>)> {
+    let alone = InteriorPoint { cold_modes: false, ..InteriorPoint::default() };
+    let shipped = tangency::solvers().into_iter().map(|solver| (solver.name(), solver));
+    let mut all: Vec<(&'static str, Box<dyn LcpSolver>)> = shipped.collect();
+    all.push(("interior point alone", Box::new(alone)));
+    all
+}
+
 fn solve_time(criterion: &mut Criterion) {
     let problems = [
         ("sliding block", recorded(&scenes::sliding_box(1.0, 0.3, 3.0), 5)),
@@ -25,13 +36,17 @@ fn solve_time(criterion: &mut Criterion) {
         ("stack of 10", recorded(&scenes::stack(&[1.0; 10]), 5)),
         ("bridge of 10", recorded(&scenes::soft_bridge(10), 30)),
         ("chain of 10 struck", recorded(&scenes::hanging_chain_hit(), 5)),
+        ("pyramid of 55", recorded(&scenes::pyramid(10), 5)),
     ];
-    for solver in tangency::solvers() {
-        let mut group = criterion.benchmark_group(solver.name());
+    for (solver_name, solver) in candidates() {
+        let mut group = criterion.benchmark_group(solver_name);
         for (name, problem) in &problems {
             let mut scratch = Scratch::default();
             group.bench_function(*name, |bencher| {
-                bencher.iter(|| solver.solve(black_box(problem), None, &mut scratch));
+                bencher.iter(|| {
+                    let found = solver.solve(black_box(problem), None, &mut scratch);
+                    found.map(|solution| scratch.recycle(solution))
+                });
             });
         }
     }

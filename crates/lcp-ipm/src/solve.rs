@@ -1,24 +1,23 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    BodySystem, BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode,
-    Polish, Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
+    BodySystem, BoxForm, Guess, Lcp, LcpError, LcpSolution, LcpSolver, Method, Mode, Polish,
+    Polished, Scratch, SolveStats, solve_linear,
 };
-use tangency_lcp_lemke::candidates;
 
-use crate::feasibility::conflict;
 use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
 use crate::system::{RowSystem, System};
 
 /// Interior-point solver with active-set polish.
 ///
 /// Stages, each tried only if the one before left a residual above `tolerance`: the guess through the
-/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully, with
-/// the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
-/// contradicting rows, and the last resorts: a walk along the active sets from projected Gauss–Seidel's
-/// iterate; Lemke's method on the rows in play and on all, for problems of moderate size; the
-/// interior point with a more patient polish; all modes of the few rows that are most in doubt. A
-/// solution is returned if its natural residual is at most `acceptance`.
+/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully,
+/// with the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes
+/// that seem settled. Where the residual is then above `acceptance`, a test for contradicting rows,
+/// and the last resorts: a walk along the active sets from projected Gauss–Seidel's iterate; Lemke's
+/// method on the rows in play and on all, for problems of moderate size; the interior point with a
+/// more patient polish; all modes of the few rows that are most in doubt. A solution is returned if
+/// its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
@@ -50,33 +49,31 @@ impl Default for InteriorPoint {
     }
 }
 
-/// When and how thoroughly an iterate of the interior point is polished.
-#[derive(Clone, Copy, Debug)]
+/// How thoroughly modes are polished before the interior point has converged.
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Polishing {
+    /// Most mode corrections of the modes at the free velocities.
+    cold_flips: u32,
     /// Natural residual, of unknowns of about one, below which all means are used.
     near_end: f64,
-    /// Mode corrections before that, of modes that seem settled.
+    /// Most mode corrections before that, of modes that seem settled.
     flips: u32,
 }
 
-impl Polishing {
-    /// Where rows are many, a few of the modes are wrong until late, and a polish that goes astray
-    /// costs more than iterations.
-    fn of(rows: usize) -> Self {
-        if rows <= 100 {
-            Self { near_end: 1e-2, flips: 4 }
-        } else {
-            Self { near_end: 1e-6, flips: 0 }
-        }
-    }
-}
+/// Where an evaluation of modes costs no more than an iteration, or nothing else has worked.
+const THOROUGH: Polishing = Polishing { cold_flips: u32::MAX, near_end: 1e-2, flips: 4 };
+/// Where rows are many: a few of the modes are wrong until late, and a polish that goes astray costs
+/// more than iterations.
+const SPARING: Polishing = Polishing { cold_flips: 1, near_end: 1e-6, flips: 0 };
+/// Rows that are many.
+const MANY_ROWS: usize = 100;
 
+/// Residual that dependent rows may leave by rounding alone.
+const CLOSE: f64 = 1e-11;
+/// Iterations after a candidate of such a residual.
+const SPARE: u32 = 3;
 /// Above this number of rows, their own matrix is not formed.
 const MOST_ROWS: usize = 2000;
-/// Contacts that part faster than this, relative to s*, are out of play.
-const NEAR: f64 = 1e-2;
-/// Sweeps after which rows count as in play or not.
-const SWEEPS: usize = 200;
 
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
@@ -96,7 +93,10 @@ impl LcpSolver for InteriorPoint {
         let metric = scratch.metric(problem);
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
         let (answered, stats) = (Method::ActiveSet, SolveStats::default());
-        let search = Search { settings: *self, polish, scratch, best: None, answered, stats };
+        let many = problem.rows.len() > MANY_ROWS;
+        let polishing = if many { SPARING } else { THOROUGH };
+        let search =
+            Search { settings: *self, polish, scratch, best: None, answered, polishing, stats };
         let found = search.run(guess);
         scratch.give_metric(metric);
         found
@@ -104,14 +104,15 @@ impl LcpSolver for InteriorPoint {
 }
 
 /// One solve: the stages share the best candidate and the count of the work.
-struct Search<'a> {
-    settings: InteriorPoint,
-    polish: Polish<'a>,
-    scratch: &'a mut Scratch,
-    best: Option<Polished>,
+pub(crate) struct Search<'a> {
+    pub(crate) settings: InteriorPoint,
+    pub(crate) polish: Polish<'a>,
+    pub(crate) scratch: &'a mut Scratch,
+    pub(crate) best: Option<Polished>,
     /// The method that found the best.
     answered: Method,
-    stats: SolveStats,
+    polishing: Polishing,
+    pub(crate) stats: SolveStats,
 }
 
 impl Search<'_> {
@@ -120,8 +121,7 @@ impl Search<'_> {
         if guess.is_some_and(|guess| self.warm(guess)) || self.settings.cold_modes && self.cold() {
             return self.finish();
         }
-        self.stats.method = Method::InteriorPoint;
-        if self.by_bodies() || self.is_accepted() {
+        if self.by_bodies(BOLD) || self.is_close() || self.thorough() || self.is_accepted() {
             return self.finish();
         }
         let Polish { problem, metric, .. } = self.polish;
@@ -139,47 +139,30 @@ impl Search<'_> {
         self.finish()
     }
 
-    /// Ends with the first stage that leaves an acceptable residual.
-    fn last_resorts(&mut self, form: Option<&BoxForm>) -> bool {
-        let usual = self.polish;
-        if self.walk() || self.is_accepted() {
-            return true;
-        }
-        let found = form.is_some_and(|form| self.patient(form));
-        self.polish = usual;
-        found || self.enumerated()
+    /// Whether the best candidate is acceptable and as close as rows allow that nearly depend on each
+    /// other: they may contradict each other by so much.
+    fn is_close(&self) -> bool {
+        let most = self.settings.acceptance.min(CLOSE);
+        self.best.as_ref().is_some_and(|best| best.max() <= most)
     }
 
-    /// Pivoting and the interior point by rows, with a more patient polish.
-    fn patient(&mut self, form: &BoxForm) -> bool {
-        self.polish.max_flips *= 5;
-        self.polish.near_miss = 1.0;
-        if self.pivoting(form) || self.is_accepted() {
-            return true;
-        }
-        self.stats.method = Method::InteriorPoint;
-        self.by_rows(form, CAREFUL) || self.is_accepted()
-    }
-
-    fn is_accepted(&self) -> bool {
+    pub(crate) fn is_accepted(&self) -> bool {
         self.best.as_ref().is_some_and(|best| best.max() <= self.settings.acceptance)
     }
 
-    /// The violation of rows that contradict each other: then nothing else needs to be tried.
-    fn conflict(&self) -> Option<f64> {
-        self.settings
-            .tell_infeasible
-            .then(|| conflict(self.polish.problem, &self.settings))
-            .flatten()
-    }
-
     /// Takes a candidate into account; true if it is good enough to stop.
-    fn offer(&mut self, candidate: Polished) -> bool {
+    pub(crate) fn offer(&mut self, candidate: Polished) -> bool {
         self.stats.factorisations += candidate.solution.stats.factorisations;
         let reached = self.polish.reached(&candidate);
-        if self.best.as_ref().is_none_or(|best| candidate.max() < best.max()) {
-            self.best = Some(candidate);
+        let better = self.best.as_ref().is_none_or(|best| candidate.max() < best.max());
+        let dropped = if better {
             self.answered = self.stats.method;
+            self.best.replace(candidate)
+        } else {
+            Some(candidate)
+        };
+        if let Some(dropped) = dropped {
+            self.scratch.recycle(dropped.solution);
         }
         reached
     }
@@ -200,104 +183,47 @@ impl Search<'_> {
         let sticking = self.polish.cold_modes(false);
         let sliding = self.polish.cold_modes(true);
         let same = sticking == sliding;
-        let candidate = self.polish.modes(&sticking, None, self.scratch);
+        let flips = self.polishing.cold_flips.min(self.polish.max_flips);
+        let polish = Polish { max_flips: flips, ..self.polish };
+        let candidate = polish.modes(&sticking, None, self.scratch);
         if self.offer(candidate) {
             return true;
         }
         !same && {
-            let candidate = self.polish.modes(&sliding, None, self.scratch);
+            let candidate = polish.modes(&sliding, None, self.scratch);
             self.offer(candidate)
         }
     }
 
-    fn walk(&mut self) -> bool {
-        self.stats.method = Method::Walk;
-        let mut scratch = std::mem::take(self.scratch);
-        let found = walks(self.polish, &mut scratch).any(|(candidate, factorisations)| {
-            self.stats.factorisations += factorisations;
-            candidate.is_some_and(|candidate| self.offer(candidate))
-        });
-        *self.scratch = scratch;
-        found
-    }
-
-    /// Lemke's method on the rows in play, then on all.
-    fn pivoting(&mut self, form: &BoxForm) -> bool {
-        self.stats.method = Method::Pivoting;
-        let problem = self.polish.problem;
-        let kept = self.in_play();
-        let part = problem.select(&kept);
-        let fewer = kept.len() < problem.rows.len() && {
-            let form = BoxForm::of_rows(&part, &Metric::new(&part));
-            self.pivot(&form, |impulses| spread(problem.rows.len(), &kept, impulses))
-        };
-        fewer || self.pivot(form, |impulses| impulses)
-    }
-
-    fn pivot(&mut self, form: &BoxForm, whole: impl Fn(Vec<f64>) -> Vec<f64>) -> bool {
-        candidates(form).any(|(y, pivots)| {
-            self.stats.iterations += pivots;
-            self.polish_impulses(whole(form.impulses(&y)))
-        })
-    }
-
-    /// Rows that have an impulse after some sweeps, or might soon.
-    fn in_play(&self) -> Vec<usize> {
-        let (problem, metric) = (self.polish.problem, self.polish.metric);
-        let mut sweeps = Sweeps::new(problem);
-        (0..SWEEPS).for_each(|_| sweeps.sweep());
-        let near = sweeps.approximate();
-        let slacks = problem.remainders(&near.velocities, &near.impulses);
-        let touches = |row: usize| {
-            near.impulses[row] > 0.0 || metric.remainder(row, slacks[row]) < NEAR * metric.scale
-        };
-        let plays = |row: &usize| match problem.rows[*row].law {
-            Law::Unilateral => touches(*row),
-            Law::Friction { normal, .. } => touches(normal as usize),
-            Law::Equality | Law::Bounded { .. } => true,
-        };
-        (0..problem.rows.len()).filter(plays).collect()
-    }
-
-    fn polish_impulses(&mut self, impulses: Vec<f64>) -> bool {
-        let velocities = self.polish.problem.velocities(&impulses);
-        let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
-        self.polish
-            .approximate(&approximate, self.scratch)
-            .is_some_and(|candidate| self.offer(candidate))
-    }
-
-    /// Starts from all modes of the rows that the best candidate leaves in doubt.
-    fn enumerated(&mut self) -> bool {
-        self.stats.method = Method::Enumeration;
-        let Some(best) = self.best.clone() else { return false };
-        self.polish.problem.neighbours(&best.solution).any(|modes| {
-            let candidate = self.polish.modes(&modes, None, self.scratch);
-            self.offer(candidate)
-        })
+    /// What was done sparingly, again; and the careful interior point.
+    fn thorough(&mut self) -> bool {
+        let sparing = std::mem::replace(&mut self.polishing, THOROUGH) == SPARING;
+        self.stats.method = Method::ActiveSet;
+        sparing && self.settings.cold_modes && self.cold() || self.by_bodies(CAREFUL)
     }
 
     /// The interior point with the rows eliminated.
-    fn by_bodies(&mut self) -> bool {
+    fn by_bodies(&mut self, pace: Pace) -> bool {
+        self.stats.method = Method::InteriorPoint;
         let Polish { problem, metric, .. } = self.polish;
         let Some(mut system) = BodySystem::new(problem, metric, self.scratch) else { return false };
-        let found = self.interior(&mut system, BOLD) || self.interior(&mut system, CAREFUL);
+        let found = self.interior(&mut system, pace);
         system.give(self.scratch);
         found
     }
 
     /// The interior point on the rows' own matrix.
-    fn by_rows(&mut self, form: &BoxForm, pace: Pace) -> bool {
+    pub(crate) fn by_rows(&mut self, form: &BoxForm, pace: Pace) -> bool {
         self.interior(&mut RowSystem::new(form), pace)
     }
 
     fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
         let before = self.stats.iterations;
         let mut path = Loop::new(system, pace, self.scratch);
-        let polishing = Polishing::of(self.polish.problem.rows.len());
+        let polishing = self.polishing;
         let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
-        let mut found = false;
-        while !found && path.iterations < self.settings.max_iterations {
+        let (mut found, mut spare) = (false, SPARE);
+        while !found && spare > 0 && path.iterations < self.settings.max_iterations {
             let going = path.advance(self.scratch);
             self.stats.factorisations += 1;
             self.stats.iterations = before + path.iterations;
@@ -310,6 +236,7 @@ impl Search<'_> {
             if !going {
                 break;
             }
+            spare -= u32::from(self.is_close());
         }
         path.give(self.scratch);
         self.scratch.modes.give(glanced);
@@ -370,13 +297,4 @@ impl Search<'_> {
             _ => Err(LcpError::NotConverged { iterations, residual }),
         }
     }
-}
-
-/// Impulses of all rows from those of some.
-fn spread(rows: usize, kept: &[usize], impulses: Vec<f64>) -> Vec<f64> {
-    let mut all = vec![0.0; rows];
-    for (row, impulse) in kept.iter().zip(impulses) {
-        all[*row] = impulse;
-    }
-    all
 }
