@@ -3,11 +3,11 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use tangency::LcpSolver;
 use tangency::core::lcp::{Lcp, Scratch};
 use tangency::core::{Path, Scene, SceneDef, simulate};
+use tangency::lcp_ipm::InteriorPoint;
+use tangency::{LcpSolver, read_scene};
 use tangency_bench::scenes;
-use tangency_lcp_ipm::InteriorPoint;
 
 /// The largest complementarity problem of a run.
 fn recorded(def: &SceneDef, steps: usize) -> Lcp {
@@ -18,6 +18,12 @@ fn recorded(def: &SceneDef, steps: usize) -> Lcp {
     hard.map(|island| island.problem)
         .max_by_key(|problem| problem.rows.len())
         .expect("a step with contacts")
+}
+
+/// The same of a shipped scene.
+fn shipped(name: &str, steps: usize) -> Lcp {
+    let file = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    recorded(&read_scene(file).expect("a scene file"), steps)
 }
 
 /// The shipped solvers, and the interior point without modes read at the free velocities.
@@ -37,6 +43,8 @@ fn solve_time(criterion: &mut Criterion) {
         ("bridge of 10", recorded(&scenes::soft_bridge(10), 30)),
         ("chain of 10 struck", recorded(&scenes::hanging_chain_hit(), 5)),
         ("pyramid of 55", recorded(&scenes::pyramid(10), 5)),
+        ("ragdoll", shipped("ragdoll", 500)),
+        ("wrecking ball", shipped("wrecking_ball", 500)),
     ];
     for (solver_name, solver) in candidates() {
         let mut group = criterion.benchmark_group(solver_name);

@@ -18,12 +18,11 @@ pub(crate) struct Polishing {
 }
 
 /// Where an evaluation of modes costs no more than an iteration, or nothing else has worked.
-pub(crate) const THOROUGH: Polishing = Polishing { cold_flips: u32::MAX, near_end: 1e-2, flips: 4 };
+pub(crate) const THOROUGH: Polishing = Polishing { cold_flips: u32::MAX, near_end: 1e-3, flips: 4 };
 /// Where rows are many: a few of the modes are wrong until late, and a polish that goes astray costs
 /// more than iterations.
-pub(crate) const SPARING: Polishing = Polishing { cold_flips: 1, near_end: 1e-6, flips: 0 };
-
-/// Iterations after a candidate of such a residual.
+pub(crate) const SPARING: Polishing = Polishing { cold_flips: 1, near_end: 1e-6, flips: 1 };
+/// Iterations after a candidate that dependent rows may let be no better.
 const SPARE: u32 = 3;
 
 impl Stages<'_> {
