@@ -2,7 +2,7 @@
 
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver};
 use tangency_lcp::{
-    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Polish, Scratch, Search,
+    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Polish, Polished, Scratch, Search,
     solve_linear,
 };
 
@@ -241,7 +241,7 @@ impl Programs<'_> {
         if self.search.is_accepted() {
             return self.search.finish();
         }
-        let residual = self.search.best.as_ref().map_or(1.0, |best| best.max());
+        let residual = self.search.best.as_ref().map_or(1.0, Polished::max);
         Err(LcpError::Infeasible { residual })
     }
 
