@@ -5,6 +5,8 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use tangency::core::lcp::{Lcp, Scratch};
 use tangency::core::{Path, Scene, SceneDef, simulate};
+use tangency::lcp_ipm::InteriorPoint;
+use tangency::{LcpSolver, read_scene};
 use tangency_bench::scenes;
 
 /// The largest complementarity problem of a run.
@@ -18,6 +20,21 @@ fn recorded(def: &SceneDef, steps: usize) -> Lcp {
         .expect("a step with contacts")
 }
 
+/// The same of a shipped scene.
+fn shipped(name: &str, steps: usize) -> Lcp {
+    let file = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    recorded(&read_scene(file).expect("a scene file"), steps)
+}
+
+/// The shipped solvers, and the interior point without modes read at the free velocities.
+fn candidates() -> Vec<(&'static str, Box<dyn LcpSolver>)> {
+    let alone = InteriorPoint { cold_modes: false, ..InteriorPoint::default() };
+    let shipped = tangency::solvers().into_iter().map(|solver| (solver.name(), solver));
+    let mut all: Vec<(&'static str, Box<dyn LcpSolver>)> = shipped.collect();
+    all.push(("interior point alone", Box::new(alone)));
+    all
+}
+
 fn solve_time(criterion: &mut Criterion) {
     let problems = [
         ("sliding block", recorded(&scenes::sliding_box(1.0, 0.3, 3.0), 5)),
@@ -25,13 +42,19 @@ fn solve_time(criterion: &mut Criterion) {
         ("stack of 10", recorded(&scenes::stack(&[1.0; 10]), 5)),
         ("bridge of 10", recorded(&scenes::soft_bridge(10), 30)),
         ("chain of 10 struck", recorded(&scenes::hanging_chain_hit(), 5)),
+        ("pyramid of 55", recorded(&scenes::pyramid(10), 5)),
+        ("ragdoll", shipped("ragdoll", 500)),
+        ("wrecking ball", shipped("wrecking_ball", 500)),
     ];
-    for solver in tangency::solvers() {
-        let mut group = criterion.benchmark_group(solver.name());
+    for (solver_name, solver) in candidates() {
+        let mut group = criterion.benchmark_group(solver_name);
         for (name, problem) in &problems {
             let mut scratch = Scratch::default();
             group.bench_function(*name, |bencher| {
-                bencher.iter(|| solver.solve(black_box(problem), None, &mut scratch));
+                bencher.iter(|| {
+                    let found = solver.solve(black_box(problem), None, &mut scratch);
+                    found.map(|solution| scratch.recycle(solution))
+                });
             });
         }
     }

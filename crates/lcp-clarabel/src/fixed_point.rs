@@ -2,8 +2,8 @@
 
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver};
 use tangency_lcp::{
-    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Polish, Polished, Scratch,
-    SolveStats, solve_linear, walks,
+    Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Polish, Polished, Scratch, Search,
+    solve_linear,
 };
 
 use crate::anderson::Anderson;
@@ -87,12 +87,11 @@ impl LcpSolver for Clarabel {
             metric.scale = 1.0; // everything is zero, and so is the solution
         }
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
-        let stats = SolveStats { method: Method::ActiveSet, ..SolveStats::default() };
-        let mut search = Search { settings: self, polish, scratch, stats, best: None };
-        let found = if guess.is_some_and(|guess| search.warm(guess)) {
+        let mut search = Search::new(polish, self.acceptance, scratch);
+        let found = if guess.is_some_and(|guess| search.offer_guess(guess)) {
             search.finish()
         } else {
-            search.run()
+            Programs { settings: self, search }.run()
         };
         scratch.give_metric(metric);
         found
@@ -116,32 +115,21 @@ enum End {
     Infeasible,
 }
 
-/// One solve.
-struct Search<'a> {
+/// One solve by programs, one after another.
+struct Programs<'a> {
     settings: &'a Clarabel,
-    polish: Polish<'a>,
-    scratch: &'a mut Scratch,
-    stats: SolveStats,
-    best: Option<Polished>,
+    search: Search<'a>,
 }
 
-impl Search<'_> {
-    fn warm(&mut self, guess: &Guess) -> bool {
-        if guess.modes.len() != self.polish.problem.rows.len() {
-            return false;
-        }
-        let candidate = self.polish.modes(&guess.modes, None, self.scratch);
-        self.offer(candidate)
-    }
-
+impl Programs<'_> {
     /// The iterations in turn, each with its share of the programs.
     fn run(mut self) -> Result<LcpSolution, LcpError> {
-        self.stats.method = Method::InteriorPoint;
+        self.search.stats.method = Method::InteriorPoint;
         let share = self.settings.max_programs.div_ceil(4);
         let accelerated = Iteration::Sliding { accelerated: true };
         let damped = Iteration::Sliding { accelerated: false };
         for (iteration, flips) in [(accelerated, 1), (Iteration::Bounds, 5), (damped, 5)] {
-            self.polish.max_flips = flips * self.settings.max_flips;
+            self.search.polish.max_flips = flips * self.settings.max_flips;
             let end = match iteration {
                 Iteration::Sliding { accelerated } => self.sliding(accelerated, share)?,
                 Iteration::Bounds => self.bounds(2 * share)?,
@@ -152,42 +140,27 @@ impl Search<'_> {
                 End::Stalled => {}
             }
         }
-        if self.best.as_ref().is_none_or(|best| best.max() > self.settings.acceptance) {
-            let _ = self.correct_at_length() || self.walk();
+        if !self.search.is_accepted() {
+            let _ = self.correct_at_length() || self.search.walk();
         }
-        self.finish()
+        self.search.finish()
     }
 
     /// The polish with twenty times its corrections: from the best modes found, and from those that
     /// rows alone would take at the free velocities.
     fn correct_at_length(&mut self) -> bool {
-        self.polish.max_flips = 20 * self.settings.max_flips;
-        let found = self.best.as_ref().map(|best| best.solution.modes.clone());
-        let cold = [false, true].map(|slide| self.polish.cold_modes(slide));
-        found.into_iter().chain(cold).any(|modes| {
-            let candidate = self.polish.modes(&modes, None, self.scratch);
-            self.offer(candidate)
-        })
-    }
-
-    /// The last resort: no convex program shows the modes.
-    fn walk(&mut self) -> bool {
-        self.stats.method = Method::Walk;
-        let mut scratch = std::mem::take(self.scratch);
-        let found = walks(self.polish, &mut scratch).any(|(candidate, factorisations)| {
-            self.stats.factorisations += factorisations;
-            candidate.is_some_and(|candidate| self.offer(candidate))
-        });
-        *self.scratch = scratch;
-        found
+        self.search.polish.max_flips = 20 * self.settings.max_flips;
+        let found = self.search.best.as_ref().map(|best| best.solution.modes.clone());
+        let cold = [false, true].map(|slide| self.search.polish.cold_modes(slide));
+        found.into_iter().chain(cold).any(|modes| self.search.offer_modes(&modes, None))
     }
 
     /// s ← μ|u_t|, one convex program and one polish each; damped if not accelerated.
     fn sliding(&mut self, accelerated: bool, programs: u32) -> Result<End, LcpError> {
-        let (problem, metric) = (self.polish.problem, self.polish.metric);
+        let (problem, metric) = (self.search.polish.problem, self.search.polish.metric);
         let program = Program::new(problem, metric, self.settings.cone);
         let mut conic = self.conic(&program)?;
-        let mut s = match &self.best {
+        let mut s = match &self.search.best {
             Some(best) if !accelerated => program.sliding(metric, &best.solution),
             _ => vec![0.0; problem.rows.len()],
         };
@@ -199,7 +172,7 @@ impl Search<'_> {
                 Ok(iterate) => iterate,
                 Err(end) => return Ok(end),
             };
-            if self.offer_approximate(&iterate) {
+            if self.search.offer_approximate(&iterate) {
                 return Ok(End::Reached);
             }
             let next = program.sliding(metric, &iterate);
@@ -217,8 +190,8 @@ impl Search<'_> {
 
     /// h ← μ λₙ: Tresca's friction with frozen bounds (Panagiotopoulos 1975), which fails elsewhere.
     fn bounds(&mut self, programs: u32) -> Result<End, LcpError> {
-        let problem = self.polish.problem;
-        let mut impulses = match &self.best {
+        let problem = self.search.polish.problem;
+        let mut impulses = match &self.search.best {
             Some(best) => best.solution.impulses.clone(),
             None => vec![0.0; problem.rows.len()],
         };
@@ -229,13 +202,13 @@ impl Search<'_> {
                     row.law = Law::Bounded { max: mu * impulses[normal as usize].max(0.0) };
                 }
             }
-            let program = Program::new(&bounded, self.polish.metric, self.settings.cone);
+            let program = Program::new(&bounded, self.search.polish.metric, self.settings.cone);
             let mut conic = self.conic(&program)?;
             let iterate = match self.iterate(&mut conic, &program)? {
                 Ok(iterate) => iterate,
                 Err(end) => return Ok(end),
             };
-            if self.offer_approximate(&iterate) {
+            if self.search.offer_approximate(&iterate) {
                 return Ok(End::Reached);
             }
             halfway(&mut impulses, &iterate.impulses);
@@ -250,52 +223,25 @@ impl Search<'_> {
         program: &Program,
     ) -> Result<Result<LcpSolution, End>, LcpError> {
         conic.solve();
-        self.stats.iterations += conic.solution.iterations;
+        self.search.stats.iterations += conic.solution.iterations;
         match verdict(conic.solution.status) {
             Verdict::Judge => {
-                let (problem, metric) = (self.polish.problem, self.polish.metric);
+                let (problem, metric) = (self.search.polish.problem, self.search.polish.metric);
                 let (x, z) = (&conic.solution.x, &conic.solution.z);
                 Ok(Ok(program.recover(problem, metric, x, z)))
             }
             Verdict::Infeasible => Ok(Err(End::Infeasible)),
-            Verdict::Failed if self.best.is_some() => Ok(Err(End::Stalled)),
+            Verdict::Failed if self.search.best.is_some() => Ok(Err(End::Stalled)),
             Verdict::Failed => Err(stopped(conic)),
-        }
-    }
-
-    fn offer_approximate(&mut self, iterate: &LcpSolution) -> bool {
-        self.polish
-            .approximate(iterate, self.scratch)
-            .is_some_and(|candidate| self.offer(candidate))
-    }
-
-    /// Takes a candidate into account; true if it is good enough to stop.
-    fn offer(&mut self, candidate: Polished) -> bool {
-        self.stats.factorisations += candidate.solution.stats.factorisations;
-        let reached = self.polish.reached(&candidate);
-        if self.best.as_ref().is_none_or(|best| candidate.max() < best.max()) {
-            self.best = Some(candidate);
-        }
-        reached
-    }
-
-    fn finish(self) -> Result<LcpSolution, LcpError> {
-        let iterations = self.stats.iterations;
-        let residual = self.best.as_ref().map_or(f64::INFINITY, Polished::max);
-        match self.best {
-            Some(best) if residual <= self.settings.acceptance => {
-                Ok(LcpSolution { stats: self.stats, ..best.solution })
-            }
-            _ => Err(LcpError::NotConverged { iterations, residual }),
         }
     }
 
     /// Clarabel's certificate counts only if no candidate contradicts it.
     fn infeasible(self) -> Result<LcpSolution, LcpError> {
-        let residual = self.best.as_ref().map_or(1.0, Polished::max);
-        if residual <= self.settings.acceptance {
-            return self.finish();
+        if self.search.is_accepted() {
+            return self.search.finish();
         }
+        let residual = self.search.best.as_ref().map_or(1.0, Polished::max);
         Err(LcpError::Infeasible { residual })
     }
 

@@ -1,24 +1,21 @@
 //! [`InteriorPoint`] and the order of its stages.
 
 use tangency_lcp::{
-    BodySystem, BoxForm, Guess, Law, Lcp, LcpError, LcpSolution, LcpSolver, Method, Metric, Mode,
-    Polish, Polished, Scratch, SolveStats, Sweeps, solve_linear, walks,
+    Guess, Lcp, LcpError, LcpSolution, LcpSolver, Polish, Scratch, Search, solve_linear,
 };
-use tangency_lcp_lemke::candidates;
 
-use crate::feasibility::conflict;
-use crate::mehrotra::{BOLD, CAREFUL, Loop, Pace};
-use crate::system::{RowSystem, System};
+use crate::stages::Stages;
 
 /// Interior-point solver with active-set polish.
 ///
 /// Stages, each tried only if the one before left a residual above `tolerance`: the guess through the
-/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully, with
-/// the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes. Where the residual is then above `acceptance`, a test for
-/// contradicting rows, and the last resorts: a walk along the active sets from projected Gauss–Seidel's
-/// iterate; Lemke's method on the rows in play and on all, for problems of moderate size; the
-/// interior point with a more patient polish; all modes of the few rows that are most in doubt. A
-/// solution is returned if its natural residual is at most `acceptance`.
+/// active-set loop; modes read at the free velocities; the interior point, boldly and then carefully,
+/// with the rows eliminated and then on the rows' own matrix, polished whenever it shows new modes
+/// that seem settled. Where the residual is then above `acceptance`, a test for contradicting rows,
+/// and the last resorts: a walk along the active sets from projected Gauss–Seidel's iterate; Lemke's
+/// method on the rows in play and on all, for problems of moderate size; the interior point with a
+/// more patient polish; all modes of the few rows that are most in doubt. A solution is returned if
+/// its natural residual is at most `acceptance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorPoint {
     /// Natural residual, free of units, at which the search stops. Default 1e-12.
@@ -50,34 +47,6 @@ impl Default for InteriorPoint {
     }
 }
 
-/// When and how thoroughly an iterate of the interior point is polished.
-#[derive(Clone, Copy, Debug)]
-struct Polishing {
-    /// Natural residual, of unknowns of about one, below which all means are used.
-    near_end: f64,
-    /// Mode corrections before that, of modes that seem settled.
-    flips: u32,
-}
-
-impl Polishing {
-    /// Where rows are many, a few of the modes are wrong until late, and a polish that goes astray
-    /// costs more than iterations.
-    fn of(rows: usize) -> Self {
-        if rows <= 100 {
-            Self { near_end: 1e-2, flips: 4 }
-        } else {
-            Self { near_end: 1e-6, flips: 0 }
-        }
-    }
-}
-
-/// Above this number of rows, their own matrix is not formed.
-const MOST_ROWS: usize = 2000;
-/// Contacts that part faster than this, relative to s*, are out of play.
-const NEAR: f64 = 1e-2;
-/// Sweeps after which rows count as in play or not.
-const SWEEPS: usize = 200;
-
 impl LcpSolver for InteriorPoint {
     fn name(&self) -> &'static str {
         "interior point"
@@ -95,288 +64,9 @@ impl LcpSolver for InteriorPoint {
         }
         let metric = scratch.metric(problem);
         let polish = Polish::new(problem, &metric, self.tolerance, self.max_flips);
-        let (answered, stats) = (Method::ActiveSet, SolveStats::default());
-        let search = Search { settings: *self, polish, scratch, best: None, answered, stats };
-        let found = search.run(guess);
+        let search = Search::new(polish, self.acceptance, scratch);
+        let found = Stages::new(*self, search).run(guess);
         scratch.give_metric(metric);
         found
     }
-}
-
-/// One solve: the stages share the best candidate and the count of the work.
-struct Search<'a> {
-    settings: InteriorPoint,
-    polish: Polish<'a>,
-    scratch: &'a mut Scratch,
-    best: Option<Polished>,
-    /// The method that found the best.
-    answered: Method,
-    stats: SolveStats,
-}
-
-impl Search<'_> {
-    fn run(mut self, guess: Option<&Guess>) -> Result<LcpSolution, LcpError> {
-        self.stats.method = Method::ActiveSet;
-        if guess.is_some_and(|guess| self.warm(guess)) || self.settings.cold_modes && self.cold() {
-            return self.finish();
-        }
-        self.stats.method = Method::InteriorPoint;
-        if self.by_bodies() || self.is_accepted() {
-            return self.finish();
-        }
-        let Polish { problem, metric, .. } = self.polish;
-        let form = (problem.rows.len() <= MOST_ROWS).then(|| BoxForm::of_rows(problem, metric));
-        let found = form.as_ref().is_some_and(|form| {
-            self.by_rows(form, BOLD) || self.by_rows(form, CAREFUL) || self.is_accepted()
-        });
-        if found {
-            return self.finish();
-        }
-        if let Some(residual) = self.conflict() {
-            return Err(LcpError::Infeasible { residual });
-        }
-        let _ = self.last_resorts(form.as_ref());
-        self.finish()
-    }
-
-    /// Ends with the first stage that leaves an acceptable residual.
-    fn last_resorts(&mut self, form: Option<&BoxForm>) -> bool {
-        let usual = self.polish;
-        if self.walk() || self.is_accepted() {
-            return true;
-        }
-        let found = form.is_some_and(|form| self.patient(form));
-        self.polish = usual;
-        found || self.enumerated()
-    }
-
-    /// Pivoting and the interior point by rows, with a more patient polish.
-    fn patient(&mut self, form: &BoxForm) -> bool {
-        self.polish.max_flips *= 5;
-        self.polish.near_miss = 1.0;
-        if self.pivoting(form) || self.is_accepted() {
-            return true;
-        }
-        self.stats.method = Method::InteriorPoint;
-        self.by_rows(form, CAREFUL) || self.is_accepted()
-    }
-
-    fn is_accepted(&self) -> bool {
-        self.best.as_ref().is_some_and(|best| best.max() <= self.settings.acceptance)
-    }
-
-    /// The violation of rows that contradict each other: then nothing else needs to be tried.
-    fn conflict(&self) -> Option<f64> {
-        self.settings
-            .tell_infeasible
-            .then(|| conflict(self.polish.problem, &self.settings))
-            .flatten()
-    }
-
-    /// Takes a candidate into account; true if it is good enough to stop.
-    fn offer(&mut self, candidate: Polished) -> bool {
-        self.stats.factorisations += candidate.solution.stats.factorisations;
-        let reached = self.polish.reached(&candidate);
-        if self.best.as_ref().is_none_or(|best| candidate.max() < best.max()) {
-            self.best = Some(candidate);
-            self.answered = self.stats.method;
-        }
-        reached
-    }
-
-    fn warm(&mut self, guess: &Guess) -> bool {
-        let rows = self.polish.problem.rows.len();
-        if guess.modes.len() != rows {
-            return false;
-        }
-        let start = (guess.impulses.len() == rows
-            && guess.impulses.iter().all(|impulse| impulse.is_finite()))
-        .then_some(&guess.impulses[..]);
-        let candidate = self.polish.modes(&guess.modes, start, self.scratch);
-        self.offer(candidate)
-    }
-
-    fn cold(&mut self) -> bool {
-        let sticking = self.polish.cold_modes(false);
-        let sliding = self.polish.cold_modes(true);
-        let same = sticking == sliding;
-        let candidate = self.polish.modes(&sticking, None, self.scratch);
-        if self.offer(candidate) {
-            return true;
-        }
-        !same && {
-            let candidate = self.polish.modes(&sliding, None, self.scratch);
-            self.offer(candidate)
-        }
-    }
-
-    fn walk(&mut self) -> bool {
-        self.stats.method = Method::Walk;
-        let mut scratch = std::mem::take(self.scratch);
-        let found = walks(self.polish, &mut scratch).any(|(candidate, factorisations)| {
-            self.stats.factorisations += factorisations;
-            candidate.is_some_and(|candidate| self.offer(candidate))
-        });
-        *self.scratch = scratch;
-        found
-    }
-
-    /// Lemke's method on the rows in play, then on all.
-    fn pivoting(&mut self, form: &BoxForm) -> bool {
-        self.stats.method = Method::Pivoting;
-        let problem = self.polish.problem;
-        let kept = self.in_play();
-        let part = problem.select(&kept);
-        let fewer = kept.len() < problem.rows.len() && {
-            let form = BoxForm::of_rows(&part, &Metric::new(&part));
-            self.pivot(&form, |impulses| spread(problem.rows.len(), &kept, impulses))
-        };
-        fewer || self.pivot(form, |impulses| impulses)
-    }
-
-    fn pivot(&mut self, form: &BoxForm, whole: impl Fn(Vec<f64>) -> Vec<f64>) -> bool {
-        candidates(form).any(|(y, pivots)| {
-            self.stats.iterations += pivots;
-            self.polish_impulses(whole(form.impulses(&y)))
-        })
-    }
-
-    /// Rows that have an impulse after some sweeps, or might soon.
-    fn in_play(&self) -> Vec<usize> {
-        let (problem, metric) = (self.polish.problem, self.polish.metric);
-        let mut sweeps = Sweeps::new(problem);
-        (0..SWEEPS).for_each(|_| sweeps.sweep());
-        let near = sweeps.approximate();
-        let slacks = problem.remainders(&near.velocities, &near.impulses);
-        let touches = |row: usize| {
-            near.impulses[row] > 0.0 || metric.remainder(row, slacks[row]) < NEAR * metric.scale
-        };
-        let plays = |row: &usize| match problem.rows[*row].law {
-            Law::Unilateral => touches(*row),
-            Law::Friction { normal, .. } => touches(normal as usize),
-            Law::Equality | Law::Bounded { .. } => true,
-        };
-        (0..problem.rows.len()).filter(plays).collect()
-    }
-
-    fn polish_impulses(&mut self, impulses: Vec<f64>) -> bool {
-        let velocities = self.polish.problem.velocities(&impulses);
-        let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
-        self.polish
-            .approximate(&approximate, self.scratch)
-            .is_some_and(|candidate| self.offer(candidate))
-    }
-
-    /// Starts from all modes of the rows that the best candidate leaves in doubt.
-    fn enumerated(&mut self) -> bool {
-        self.stats.method = Method::Enumeration;
-        let Some(best) = self.best.clone() else { return false };
-        self.polish.problem.neighbours(&best.solution).any(|modes| {
-            let candidate = self.polish.modes(&modes, None, self.scratch);
-            self.offer(candidate)
-        })
-    }
-
-    /// The interior point with the rows eliminated.
-    fn by_bodies(&mut self) -> bool {
-        let Polish { problem, metric, .. } = self.polish;
-        let Some(mut system) = BodySystem::new(problem, metric, self.scratch) else { return false };
-        let found = self.interior(&mut system, BOLD) || self.interior(&mut system, CAREFUL);
-        system.give(self.scratch);
-        found
-    }
-
-    /// The interior point on the rows' own matrix.
-    fn by_rows(&mut self, form: &BoxForm, pace: Pace) -> bool {
-        self.interior(&mut RowSystem::new(form), pace)
-    }
-
-    fn interior<S: System>(&mut self, system: &mut S, pace: Pace) -> bool {
-        let before = self.stats.iterations;
-        let mut path = Loop::new(system, pace, self.scratch);
-        let polishing = Polishing::of(self.polish.problem.rows.len());
-        let (mut glanced, mut tried) = (self.scratch.modes.take(), None);
-        let mut found = false;
-        while !found && path.iterations < self.settings.max_iterations {
-            let going = path.advance(self.scratch);
-            self.stats.factorisations += 1;
-            self.stats.iterations = before + path.iterations;
-            found = if path.best < polishing.near_end || !going {
-                let y = if going { path.y() } else { path.best_y() };
-                self.polish_at(path.system, y, &mut tried)
-            } else {
-                path.settled && self.glance(&path, polishing.flips, &mut glanced)
-            };
-            if !going {
-                break;
-            }
-        }
-        path.give(self.scratch);
-        self.scratch.modes.give(glanced);
-        found
-    }
-
-    /// A short polish of modes that the path shows early and did not show before.
-    fn glance<S: System>(
-        &mut self,
-        path: &Loop<S>,
-        max_flips: u32,
-        glanced: &mut Vec<Mode>,
-    ) -> bool {
-        let (mut modes, mut impulses) = (self.scratch.modes.take(), self.scratch.floats.take());
-        path.list_modes(&mut modes);
-        let known = modes == *glanced;
-        if !known {
-            path.system.impulses(path.y(), &mut impulses);
-        }
-        let polish = Polish { max_flips, near_miss: 0.0, ..self.polish };
-        let found = !known && {
-            let candidate = polish.modes(&modes, Some(&impulses), self.scratch);
-            self.offer(candidate)
-        };
-        self.scratch.floats.give(impulses);
-        self.scratch.modes.give(std::mem::replace(glanced, modes));
-        found
-    }
-
-    /// Polishes an iterate near the end if it shows modes that the last attempt did not.
-    fn polish_at<S: System>(
-        &mut self,
-        system: &S,
-        y: &[f64],
-        tried: &mut Option<Vec<Mode>>,
-    ) -> bool {
-        let mut impulses = self.scratch.floats.take();
-        system.impulses(y, &mut impulses);
-        let velocities = self.polish.problem.velocities(&impulses);
-        let approximate = LcpSolution { velocities, impulses, ..LcpSolution::default() };
-        let modes = self.polish.read_modes(&approximate);
-        let known = tried.as_ref() == Some(&modes);
-        *tried = Some(modes);
-        let polished =
-            if known { None } else { self.polish.approximate(&approximate, self.scratch) };
-        self.scratch.recycle(approximate);
-        polished.is_some_and(|candidate| self.offer(candidate))
-    }
-
-    fn finish(self) -> Result<LcpSolution, LcpError> {
-        let iterations = self.stats.iterations;
-        let residual = self.best.as_ref().map_or(f64::INFINITY, Polished::max);
-        match self.best {
-            Some(best) if self.polish.reached(&best) || residual <= self.settings.acceptance => {
-                let stats = SolveStats { method: self.answered, ..self.stats };
-                Ok(LcpSolution { stats, ..best.solution })
-            }
-            _ => Err(LcpError::NotConverged { iterations, residual }),
-        }
-    }
-}
-
-/// Impulses of all rows from those of some.
-fn spread(rows: usize, kept: &[usize], impulses: Vec<f64>) -> Vec<f64> {
-    let mut all = vec![0.0; rows];
-    for (row, impulse) in kept.iter().zip(impulses) {
-        all[*row] = impulse;
-    }
-    all
 }

@@ -33,7 +33,7 @@ const FREE: f64 = 3e4;
 const SOUND: f64 = 1e-3;
 
 /// Refinement mends a defect below this part of the right-hand side in a few sweeps.
-const MENDED: f64 = 1e-3;
+const MENDED: f64 = 1e-6;
 
 /// The parts of a row on its two bodies.
 type Sides = [Vector3<f64>; 2];

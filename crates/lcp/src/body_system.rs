@@ -241,7 +241,7 @@ fn list_remainders(
     q.extend(equations.rows.iter().map(|row| row.velocity(v) - row.rhs));
     let largest = q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
     let scale = if largest > 0.0 { largest } else { 1.0 };
-    for q in q.iter_mut() {
+    for q in q {
         *q /= scale;
     }
     scale

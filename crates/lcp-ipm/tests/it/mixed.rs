@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 use tangency_lcp::{
-    Guess, Law, Lcp, LcpError, LcpSolver, Mode, NO_BODY, Row, Scratch, solve_checked,
+    Guess, Law, Lcp, LcpError, LcpSolver, Method, Mode, NO_BODY, Row, Scratch, solve_checked,
 };
 use tangency_lcp_ipm::InteriorPoint;
 
@@ -103,6 +103,36 @@ fn same_problem_same_bits() {
         let problem = class(&mut Random(17));
         let (a, b) = (solve(&problem), solve(&problem));
         assert_eq!(a.ok(), b.ok());
+    }
+}
+
+#[test]
+fn memory_that_was_used_gives_the_same_bits() {
+    let alone = InteriorPoint { cold_modes: false, ..InteriorPoint::default() };
+    let mut used = Scratch::default();
+    for (_, class) in CLASSES {
+        for seed in 0..5 {
+            let problem = class(&mut Random(seed));
+            for solver in [alone, InteriorPoint::default()] {
+                let again = solver.solve(&problem, None, &mut used).expect("solved");
+                let fresh = solver.solve(&problem, None, &mut Scratch::default());
+                assert_eq!(again, fresh.expect("solved"));
+                used.recycle(again);
+            }
+        }
+    }
+}
+
+/// Without modes read at the free velocities: the same velocities, and few iterations.
+#[test]
+fn the_interior_point_alone() {
+    let alone = InteriorPoint { cold_modes: false, ..InteriorPoint::default() };
+    for seed in 0..100 {
+        let problem = stack(&mut Random(seed), 1.0);
+        let found = alone.solve(&problem, None, &mut Scratch::default()).expect("solved");
+        assert!(problem.residual(&found).max() <= 1e-10, "seed {seed}");
+        assert_eq!(found.stats.method, Method::InteriorPoint);
+        assert!(found.stats.iterations <= 12, "seed {seed}: {}", found.stats.iterations);
     }
 }
 

@@ -11,6 +11,7 @@ mod residual;
 // what solves when the modes are known or guessed,
 mod active_system;
 mod band;
+mod body_system;
 mod polish;
 // and the paper's matrices.
 mod dense;
