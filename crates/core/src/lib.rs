@@ -42,6 +42,7 @@ mod inspect;
 mod island;
 mod mend;
 pub mod momentum;
+mod progress;
 mod reach;
 mod record;
 pub mod rhs;

@@ -72,6 +72,15 @@ pub struct RowGeometry {
     pub jacobian: [Vector3<f64>; 2],
 }
 
+/// A row that a displacement moves at a bounded speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SlowRow {
+    /// The row.
+    pub source: RowSource,
+    /// Greatest speed, m/s or rad/s: the recovery speed in a step's first displacement, and then 0.
+    pub speed: f64,
+}
+
 /// What rows are evaluated from.
 #[derive(Clone, Copy, Debug)]
 pub struct RowContext<'a> {
@@ -90,6 +99,8 @@ pub struct RowContext<'a> {
     /// Bodies whose position errors stayed in the step ([`Stage::drifts`]), so that the displacement
     /// after the move removes them; empty if there are none.
     pub loose: &'a [bool],
+    /// Rows whose errors a displacement removes in part only, by source; all others at once.
+    pub slow: &'a [SlowRow],
 }
 
 impl RowContext<'_> {
@@ -203,8 +214,14 @@ impl RowContext<'_> {
         rhs::rigid(joints, value, dt)
     }
 
+    /// Greatest speed at which a displacement moves a row, m/s or rad/s.
+    fn greatest_speed(&self, source: RowSource) -> f64 {
+        let found = self.slow.binary_search_by_key(&source, |slow| slow.source);
+        found.map_or(f64::INFINITY, |index| self.slow[index].speed)
+    }
+
     /// Greatest speed at which a row's error is removed, m/s or rad/s.
-    fn recovery(&self, source: RowSource) -> f64 {
+    pub(crate) fn recovery(&self, source: RowSource) -> f64 {
         let def = &self.scene.def;
         let row = match source {
             RowSource::Held { joint, row } => self.joint(joint).held[row as usize],
@@ -219,15 +236,11 @@ impl RowContext<'_> {
 
     /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
     fn is_drift(&self, joint: u32, row: u32, value: f64) -> bool {
-        let held = self.joint(joint);
-        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
-        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
-        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
-        value.abs() <= DRIFT * size
+        value.abs() <= DRIFT * self.joint_size(joint, self.joint(joint).held[row as usize])
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
-        let (dt, speed) = (self.scene.dt, self.recovery(source));
+        let (dt, speed) = (self.scene.dt, self.greatest_speed(source));
         let mends = match source {
             RowSource::Normal { contact } | RowSource::Tangent { contact } => {
                 self.mends_contact(contact)
@@ -325,9 +338,29 @@ impl RowContext<'_> {
     /// Violations of this joint's limits below this are rounding, m or rad.
     #[must_use]
     pub fn limit_slop(&self, joint: u32) -> f64 {
-        let turns = self.free(joint).measure == crate::measure::Measure::Angle;
+        SLOP * self.joint_size(joint, self.free(joint))
+    }
+
+    /// Errors of a row below this are rounding, m or rad.
+    pub(crate) fn slop(&self, source: RowSource) -> f64 {
+        match source {
+            RowSource::Normal { contact } | RowSource::Tangent { contact } => {
+                self.contact_slop(contact)
+            }
+            RowSource::Held { joint, row } => {
+                SLOP * self.joint_size(joint, self.joint(joint).held[row as usize])
+            }
+            RowSource::Lower { joint }
+            | RowSource::Upper { joint }
+            | RowSource::Motor { joint } => self.limit_slop(joint),
+        }
+    }
+
+    /// A length that stands for a joint's size, m: that of its smaller body; 1 rad for an angle.
+    fn joint_size(&self, joint: u32, row: JointRow) -> f64 {
+        let turns = row.measure == crate::measure::Measure::Angle;
         let sizes = self.joint(joint).bodies.iter().flatten().map(|b| self.scene.size(*b));
-        SLOP * if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) }
+        if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) }
     }
 
     /// A scalar of a joint at the context's poses.
