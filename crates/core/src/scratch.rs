@@ -48,7 +48,9 @@ impl StepScratch {
         self.floats.give(control);
         self.contacts.give(contacts);
         self.recycle_islands(islands);
-        self.recycle_posts(post);
+        if !post.is_empty() {
+            self.recycle_posts(post);
+        }
         self.vectors.give(after.q);
         self.vectors.give(after.v);
     }
