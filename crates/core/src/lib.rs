@@ -51,6 +51,7 @@ pub mod row;
 mod rows;
 mod scratch;
 mod simulator;
+mod slop;
 mod solve;
 mod stage;
 mod step;

@@ -98,7 +98,7 @@ fn slowly_closing() -> SceneDef {
     let mut def = pendulum(2.0);
     def.stabilisation.joints = Correction::Post;
     if let JointKind::Revolute { anchor, anchor_b, .. } = &mut def.joints[0].kind {
-        *anchor_b = Some([anchor[0] + 0.06, anchor[1] + 0.07]);
+        *anchor_b = Some([anchor[0] + 0.06, anchor[1] + 0.002]);
     }
     def.name = "slowly closing pin".into();
     def
