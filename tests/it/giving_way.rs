@@ -4,12 +4,12 @@
 use tangency::core::row::Stage;
 use tangency::diff::StateVector;
 use tangency::lcp::LcpError;
-use tangency::{Param, State, StepError, StepRecord, gradient, simulate};
+use tangency::{Param, SceneDef, State, StepError, StepRecord, gradient, simulate};
 use tangency_bench::scenes::{
     disc, hinge, misfit_hinges, narrow_slot, plane, rod, seesaw, unit_scene, wedged_box,
 };
 
-use crate::engine::{backends, built, first_step, near, run};
+use crate::engine::{backends, built, first_step, near, near_relative, run};
 
 fn stages(record: &StepRecord) -> Vec<Stage> {
     let post = record.post.iter().flat_map(|post| &post.islands);
@@ -26,6 +26,29 @@ fn wedged_box_moves_to_the_middle() {
         assert_eq!(stages(&record), [Stage::Velocity, Stage::SoftPost]);
         near("wedged box", record.after.q[2].x, offset / 161.0, 1e-14);
         assert_eq!(record.after.v[2].norm(), 0.0, "mending adds no velocity");
+    }
+}
+
+/// Between walls, overlaps add up to what they were. Five contacts of discs and two of walls, which are
+/// half as soft (κ Wᵢᵢ, Wᵢᵢ = 2/M and 1/M) under nearly the same force, share them: the worst becomes a
+/// sixth of the sum, less than a quarter of what it was. Yet they gave way, and are not mended again.
+#[test]
+fn discs_in_a_row_share_their_overlaps_once() {
+    let (radius, deep, slight, count) = (0.1, 0.01, 1e-4, 6_i32);
+    let x = |i: i32| (2.0 * radius - slight) * f64::from(i) + radius - deep;
+    let end = x(count - 1) + radius - slight;
+    let walls = [plane("left", [1.0, 0.0], 0.0), plane("right", [-1.0, 0.0], -end)];
+    let discs = (0..count).map(|i| disc(&format!("disc{i}"), radius, [x(i), 0.0]));
+    let bodies = walls.into_iter().chain(discs).collect();
+    let def = SceneDef { recovery_speed: 1e6, ..unit_scene("overlapping row", bodies) };
+    for solver in backends() {
+        let scene = built(&def);
+        let record = first_step(&scene, &*solver);
+        assert_eq!(stages(&record), [Stage::Velocity, Stage::SoftPost]);
+        let worst = scene.penetration(&record.after).expect("a penetration");
+        let share = (deep + 6.0 * slight) / 6.0;
+        near_relative("worst overlap", worst, share, 0.15);
+        assert!(worst < deep / 4.0, "{worst}");
     }
 }
 

@@ -167,6 +167,18 @@ fn every_number_of_every_scene() {
     }
 }
 
+/// Derivatives go through several displacements of a step, and through rows that they hold back.
+#[test]
+fn the_battery_knows_displacements() {
+    for solver in backends() {
+        let tapes: Vec<Rollout> = battery().iter().map(|e| Run::new(e, &*solver).tape).collect();
+        let posts = || tapes.iter().flat_map(|tape| &tape.records).map(|record| &record.post);
+        let times = |n: usize| posts().filter(|post| post.len() == n).count();
+        assert!(times(2) >= 5 && times(3) >= 2, "{:?}", [1, 2, 3].map(times));
+        assert!(posts().filter(|post| post.len() >= 2 && !post[1].slow.is_empty()).count() >= 2);
+    }
+}
+
 /// Every kind of number occurs in the battery.
 #[test]
 fn the_battery_knows_every_kind_of_number() {

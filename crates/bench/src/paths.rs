@@ -29,8 +29,8 @@ pub struct Paths {
     pub rows: usize,
     /// Contacts in reach.
     pub contacts: usize,
-    /// Steps that mended positions.
-    pub mended: usize,
+    /// Displacements that mended positions.
+    pub displacements: usize,
     /// Worst residual.
     pub residual: f64,
 }
@@ -51,7 +51,7 @@ impl Paths {
             paths.iterations += counts.iterations;
             paths.rows += counts.rows;
             paths.contacts += counts.contacts;
-            paths.mended += usize::from(counts.mended);
+            paths.displacements += counts.displacements;
             paths.residual = paths.residual.max(record.residual());
             let post = record.post.iter().flat_map(|post| &post.islands);
             for island in record.islands.iter().chain(post) {

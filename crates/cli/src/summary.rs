@@ -57,7 +57,7 @@ impl Summary {
             (_, 0) => &mut self.linear_steps,
             _ => &mut self.lcp_steps,
         } += 1;
-        self.mended_steps += usize::from(counts.mended);
+        self.mended_steps += usize::from(counts.displacements > 0);
         let yielding = counts.loose_islands + counts.plastic_islands + counts.soft_islands;
         self.yielding_steps += usize::from(yielding > 0);
         self.iterations += counts.iterations;

@@ -160,8 +160,16 @@ impl Scene {
     /// (stiffness, error) of every held row of the soft, or of the rigid, joints.
     fn position_errors(&self, state: &State, soft: bool) -> Vec<(f64, f64)> {
         let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-        let context =
-            RowContext { scene: self, stage, q, v, control: &[], contacts: &[], loose: &[] };
+        let context = RowContext {
+            scene: self,
+            stage,
+            q,
+            v,
+            control: &[],
+            contacts: &[],
+            loose: &[],
+            slow: &[],
+        };
         let mut errors = Vec::new();
         for (index, joint) in (0_u32..).zip(&self.joints) {
             if joint.softness.is_some() == soft {

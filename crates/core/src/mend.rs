@@ -1,23 +1,26 @@
-//! Positions that are wrong by more than rounding after the move, mended by a displacement of least
+//! Positions that are wrong by more than rounding after the move, mended by displacements of least
 //! mass-weighted size.
 
 use nalgebra::Vector3;
-use tangency_collision::Contact;
-use tangency_lcp::{Law, Lcp, LcpSolver};
+use tangency_collision::{Contact, Pose};
+use tangency_lcp::LcpSolver;
 
-use crate::island::assemble;
-use crate::record::{PostRecord, StepRecord};
-use crate::row::{RowContext, Stage};
+use crate::island::{Island, assemble};
+use crate::progress::asked;
+use crate::record::{IslandRecord, PostRecord, StepRecord};
+use crate::row::{RowContext, RowSource, SlowRow};
 use crate::scene::Scene;
 use crate::scratch::StepScratch;
 use crate::solve::solve;
 use crate::{Correction, Stabilisation, StepError};
 
-/// Displaces `record.after` by dt w where the moved poses are wrong:
-/// min ½ wᵀMw subject to the joints' and contacts' position rows.
+/// Displaces `record.after` by dt w, as often as poses are wrong and get better by it:
+/// min ½ wᵀMw subject to the joints' and contacts' position rows. `before` are the poses before the
+/// move.
 pub(crate) fn mend_positions(
     scene: &Scene,
     solver: &dyn LcpSolver,
+    before: &[Pose],
     record: &mut StepRecord,
     scratch: &mut StepScratch,
 ) -> Result<(), StepError> {
@@ -25,45 +28,139 @@ pub(crate) fn mend_positions(
     let Stabilisation { joints, contacts } = scene.stabilisation();
     let mends_contacts = contacts == Correction::Post && !record.contacts.is_empty();
     if loose.is_empty() && joints != Correction::Post && !mends_contacts {
-        return Ok(());
-    }
-    let mut moved = scratch.vectors.take();
-    moved.extend_from_slice(&record.after.q);
-    let contacts = evaluate_at(&record.contacts, &moved, scratch);
-    let (stage, v, control) = (Stage::Post, &record.after.v, &record.control);
-    let context =
-        RowContext { scene, stage, q: &moved, v, control, contacts: &contacts, loose: &loose };
-    if !needs_mending(&context, scratch) {
-        scratch.vectors.give(moved);
-        scratch.contacts.give(contacts);
         scratch.flags.give(loose);
         return Ok(());
     }
-    let still = scratch.vectors.filled(moved.len(), Vector3::zeros());
-    let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(&context, &scratch.frames, scratch.detection.groups());
-    let mut islands = assemble(&context, &still, &mut rows, scratch);
-    scratch.rows = rows;
-    scratch.vectors.give(still);
-    for island in islands.extract_if(.., |island| !is_displaced(&island.problem)) {
-        scratch.recycle_island(island);
-    }
-    let islands = solve(&context, solver, record.after.time, None, islands, scratch)?;
-    for island in &islands {
-        for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {
-            record.after.q[*body as usize] += scene.dt * w;
+    scratch.progress.begin();
+    let mut next = evaluate(record, loose, scratch);
+    while let Some(islands) = islands(scene, before, record, &mut next, scratch) {
+        let context = record.post_context(scene, &next);
+        let islands = solve(&context, solver, record.after.time, None, islands, scratch)?;
+        displace(&mut record.after.q, scene.dt, &islands);
+        let mut loose = scratch.flags.take();
+        loose.extend_from_slice(&next.loose);
+        if record.post.is_empty() {
+            record.post = scratch.posts.take();
         }
+        record.post.push(PostRecord { islands, ..next });
+        next = evaluate(record, loose, scratch);
     }
-    record.post = Some(PostRecord { moved, contacts, loose, islands });
+    scratch.recycle_post(next);
     Ok(())
 }
 
-/// Whether w = 0 breaks a row.
-fn is_displaced(problem: &Lcp) -> bool {
-    problem.rows.iter().any(|row| match row.law {
-        Law::Equality => row.rhs != 0.0,
-        _ => row.rhs > 0.0,
-    })
+/// q ← q + dt w.
+fn displace(q: &mut [Pose], dt: f64, islands: &[IslandRecord]) {
+    for island in islands {
+        for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {
+            q[*body as usize] += dt * w;
+        }
+    }
+}
+
+/// Where the next displacement starts from.
+fn evaluate(record: &StepRecord, loose: Vec<bool>, scratch: &mut StepScratch) -> PostRecord {
+    let mut moved = scratch.vectors.take();
+    moved.extend_from_slice(&record.after.q);
+    let contacts = evaluate_at(&record.contacts, &moved, scratch);
+    let slow = match record.post.last() {
+        Some(last) => stopped(&last.slow, scratch),
+        None => Vec::new(),
+    };
+    PostRecord { moved, contacts, loose, slow, islands: Vec::new() }
+}
+
+/// The same rows, which have moved as far as they may.
+fn stopped(rows: &[SlowRow], scratch: &mut StepScratch) -> Vec<SlowRow> {
+    let mut stopped = scratch.slow.take();
+    stopped.extend(rows.iter().map(|row| SlowRow { speed: 0.0, ..*row }));
+    stopped
+}
+
+/// The islands that are displaced next; `None` if there are none.
+fn islands(
+    scene: &Scene,
+    before: &[Pose],
+    record: &StepRecord,
+    next: &mut PostRecord,
+    scratch: &mut StepScratch,
+) -> Option<Vec<Island>> {
+    let (context, last) = (record.post_context(scene, next), record.post.last());
+    let StepScratch { progress, frames, .. } = scratch;
+    if !progress.asks(&context, frames, last.is_none()) {
+        return None;
+    }
+    if let Some(last) = last {
+        progress.note(&context, last);
+        if !progress.asks(&context, frames, false) {
+            return None;
+        }
+    }
+    let mut islands = list(&context, scratch);
+    if islands.is_empty() {
+        scratch.islands.give(islands);
+        return None;
+    }
+    match last {
+        Some(_) => islands.iter_mut().for_each(|island| soften(&context, island, scratch)),
+        None => next.slow = slow_down(&context, before, &mut islands, scratch),
+    }
+    Some(islands)
+}
+
+/// The islands that take part, each mending all of its errors.
+fn list(context: &RowContext<'_>, scratch: &mut StepScratch) -> Vec<Island> {
+    let still = scratch.vectors.filled(context.q.len(), Vector3::zeros());
+    let mut rows = std::mem::take(&mut scratch.rows);
+    rows.list(context, &scratch.frames, scratch.detection.groups());
+    let mut islands = assemble(context, &still, &mut rows, scratch);
+    scratch.rows = rows;
+    scratch.vectors.give(still);
+    let progress = std::mem::take(&mut scratch.progress);
+    for island in islands.extract_if(.., |island| !progress.takes(context, island)) {
+        scratch.recycle_island(island);
+    }
+    scratch.progress = progress;
+    islands
+}
+
+/// Lets the rows of an island give way from the start if displacing it again asks for that.
+fn soften(context: &RowContext<'_>, island: &mut Island, scratch: &StepScratch) {
+    island.stage = scratch.progress.stage(island);
+    if island.stage.gives_way() {
+        let context = RowContext { stage: island.stage, ..*context };
+        island.problem.soften(|row| context.softness(island.sources[row]));
+    }
+}
+
+/// Bounds the speed of the rows that ask for more than their recovery speed, and lists them. What the
+/// move opened of a joint that was nearly closed is closed at once.
+fn slow_down(
+    context: &RowContext<'_>,
+    before: &[Pose],
+    islands: &mut [Island],
+    scratch: &mut StepScratch,
+) -> Vec<SlowRow> {
+    let mut slow = scratch.slow.take();
+    for island in islands {
+        for (source, row) in island.sources.iter().zip(&mut island.problem.rows) {
+            let (asks, speed) = (asked(*source, row.rhs), context.recovery(*source));
+            if asks > speed && was_open(context, before, *source, speed) {
+                row.rhs = speed.copysign(row.rhs);
+                slow.push(SlowRow { source: *source, speed });
+            }
+        }
+    }
+    slow.sort_unstable_by_key(|row| row.source);
+    slow
+}
+
+/// Whether an error was there before the move that takes more than a step to remove. Of contacts and
+/// limits every deep penetration counts as such.
+fn was_open(context: &RowContext<'_>, before: &[Pose], source: RowSource, speed: f64) -> bool {
+    let RowSource::Held { .. } = source else { return true };
+    let context = RowContext { q: before, ..*context };
+    context.geometry(source).value.abs() > context.scene.dt * speed
 }
 
 /// The same features at other poses.
@@ -89,20 +186,4 @@ fn loose_bodies(record: &StepRecord, scratch: &mut StepScratch) -> Vec<bool> {
         island.bodies.iter().for_each(|body| loose[*body as usize] = true);
     }
     loose
-}
-
-fn needs_mending(context: &RowContext<'_>, scratch: &StepScratch) -> bool {
-    let index = |i: usize| u32::try_from(i).expect("fewer than u32 counts");
-    let penetrates = |contact: usize| {
-        let (contact, gap) = (index(contact), context.contacts[contact].gap);
-        gap < 0.0 && gap < -context.contact_slop(contact) && context.mends_contact(contact)
-    };
-    let drifts = |joint: usize| {
-        let (held, joint) = (&context.scene.joints[joint], index(joint));
-        let error = |row| context.joint_geometry_in(joint, row, &scratch.frames).value;
-        held.softness.is_none()
-            && context.mends_joint(joint)
-            && held.held.iter().any(|row| error(*row) != 0.0)
-    };
-    (0..context.contacts.len()).any(penetrates) || (0..context.scene.joints.len()).any(drifts)
 }

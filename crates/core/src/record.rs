@@ -6,7 +6,7 @@ use tangency_collision::Contact;
 use tangency_lcp::{Lcp, LcpSolution};
 
 use crate::State;
-use crate::row::{RowSource, Stage};
+use crate::row::{RowContext, RowSource, SlowRow, Stage};
 use crate::scene::Scene;
 
 /// The cheapest way that an island could be solved.
@@ -45,16 +45,18 @@ pub struct IslandRecord {
     pub residual: f64,
 }
 
-/// The displacement after the move.
+/// One displacement after the move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PostRecord {
-    /// Poses after the move, before the displacement.
+    /// Poses after the move and the displacements before this one.
     pub moved: Vec<Vector3<f64>>,
     /// The step's contacts, evaluated there.
     pub contacts: Vec<Contact>,
     /// Bodies of islands that [let errors stay](Stage::drifts): theirs were removed, too. Empty if
     /// there are none.
     pub loose: Vec<bool>,
+    /// Rows whose errors it removes in part only, by source.
+    pub slow: Vec<SlowRow>,
     /// The problems; their velocities are the displacement divided by dt.
     pub islands: Vec<IslandRecord>,
 }
@@ -69,8 +71,8 @@ pub struct StepRecord {
     pub contacts: Vec<Contact>,
     /// Islands; bodies in none moved freely.
     pub islands: Vec<IslandRecord>,
-    /// What mended positions, where that was needed.
-    pub post: Option<PostRecord>,
+    /// What mended positions, one displacement after the other; empty where none was needed.
+    pub post: Vec<PostRecord>,
     /// The state at the end of the step.
     pub after: State,
 }
@@ -107,8 +109,8 @@ pub struct Counts {
     pub iterations: usize,
     /// Factorisations.
     pub factorisations: usize,
-    /// Whether positions were mended after the move.
-    pub mended: bool,
+    /// Displacements that mended positions after the move.
+    pub displacements: usize,
     /// Islands that let position errors stay for the step ([`Stage::Loose`]).
     pub loose_islands: usize,
     /// Islands that also gave up restitution ([`Stage::Plastic`]).
@@ -118,6 +120,14 @@ pub struct Counts {
 }
 
 impl StepRecord {
+    /// What the rows of one of its displacements were evaluated from.
+    #[must_use]
+    pub fn post_context<'a>(&'a self, scene: &'a Scene, post: &'a PostRecord) -> RowContext<'a> {
+        let (q, v, stage) = (&post.moved, &self.after.v, Stage::Post);
+        let (control, contacts) = (&self.control, &post.contacts);
+        RowContext { scene, stage, q, v, control, contacts, loose: &post.loose, slow: &post.slow }
+    }
+
     /// The worst residual of the step's problems; 0 where none was solved.
     #[must_use]
     pub fn residual(&self) -> f64 {
@@ -170,7 +180,7 @@ impl StepRecord {
         let mut counts = Counts {
             free_bodies: dynamic - bound,
             contacts: self.contacts.len(),
-            mended: self.post.is_some(),
+            displacements: self.post.len(),
             ..Counts::default()
         };
         for island in &self.islands {

@@ -129,24 +129,23 @@ impl Unilateral {
     }
 }
 
-/// Displacement speed that removes a joint's error after the move: −φ/dt, at most the recovery
-/// speed.
+/// Displacement speed that removes a joint's error after the move: −φ/dt, at most `greatest`.
 #[must_use]
-pub fn post_joint(position: f64, dt: f64, recovery_speed: f64) -> Rhs {
+pub fn post_joint(position: f64, dt: f64, greatest: f64) -> Rhs {
     let value = -position / dt;
-    if value.abs() > recovery_speed {
-        return Rhs { value: recovery_speed.copysign(value), ..Rhs::default() };
+    if value.abs() > greatest {
+        return Rhs { value: greatest.copysign(value), ..Rhs::default() };
     }
     Rhs { value, d_position: -1.0 / dt, d_dt: position / (dt * dt), ..Rhs::default() }
 }
 
-/// The same for a gap: a penetration opens at most at the recovery speed, an open gap may close.
+/// The same for a gap: a penetration opens at most at `greatest`, an open gap may close.
 #[must_use]
-pub fn post_gap(gap: f64, dt: f64, recovery_speed: f64) -> Rhs {
+pub fn post_gap(gap: f64, dt: f64, greatest: f64) -> Rhs {
     if gap > 0.0 {
         return post_joint(gap, dt, f64::INFINITY);
     }
-    post_joint(gap, dt, recovery_speed)
+    post_joint(gap, dt, greatest)
 }
 
 #[cfg(test)]

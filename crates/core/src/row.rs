@@ -16,10 +16,7 @@ use crate::model::{Control, Joint, JointRow};
 use crate::rhs::{self, Rhs, Unilateral};
 use crate::scene::Scene;
 pub use crate::stage::Stage;
-use crate::{BodyKind, ContactModel, Correction};
-
-/// Penetrations and limit violations below this part of a body's size are rounding.
-const SLOP: f64 = 1e-9;
+use crate::{ContactModel, Correction};
 
 /// Where a row comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -72,6 +69,15 @@ pub struct RowGeometry {
     pub jacobian: [Vector3<f64>; 2],
 }
 
+/// A row that a displacement moves at a bounded speed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SlowRow {
+    /// The row.
+    pub source: RowSource,
+    /// Greatest speed, m/s or rad/s: the recovery speed in a step's first displacement, and then 0.
+    pub speed: f64,
+}
+
 /// What rows are evaluated from.
 #[derive(Clone, Copy, Debug)]
 pub struct RowContext<'a> {
@@ -90,6 +96,8 @@ pub struct RowContext<'a> {
     /// Bodies whose position errors stayed in the step ([`Stage::drifts`]), so that the displacement
     /// after the move removes them; empty if there are none.
     pub loose: &'a [bool],
+    /// Rows whose errors a displacement removes in part only, by source; all others at once.
+    pub slow: &'a [SlowRow],
 }
 
 impl RowContext<'_> {
@@ -222,8 +230,14 @@ impl RowContext<'_> {
         rhs::rigid(joints, value, dt)
     }
 
+    /// Greatest speed at which a displacement moves a row, m/s or rad/s.
+    fn greatest_speed(&self, source: RowSource) -> f64 {
+        let found = self.slow.binary_search_by_key(&source, |slow| slow.source);
+        found.map_or(f64::INFINITY, |index| self.slow[index].speed)
+    }
+
     /// Greatest speed at which a row's error is removed, m/s or rad/s.
-    fn recovery(&self, source: RowSource) -> f64 {
+    pub(crate) fn recovery(&self, source: RowSource) -> f64 {
         let def = &self.scene.def;
         let row = match source {
             RowSource::Held { joint, row } => self.joint(joint).held[row as usize],
@@ -238,15 +252,11 @@ impl RowContext<'_> {
 
     /// Whether a joint's error may stay for a step: it is drift, not a contradiction.
     fn is_drift(&self, joint: u32, row: u32, value: f64) -> bool {
-        let held = self.joint(joint);
-        let turns = held.held[row as usize].measure == crate::measure::Measure::Angle;
-        let sizes = held.bodies.iter().flatten().map(|b| self.scene.size(*b));
-        let size = if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) };
-        value.abs() <= DRIFT * size
+        value.abs() <= DRIFT * self.joint_size(joint, self.joint(joint).held[row as usize])
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
-        let (dt, speed) = (self.scene.dt, self.recovery(source));
+        let (dt, speed) = (self.scene.dt, self.greatest_speed(source));
         let mends = match source {
             RowSource::Normal { contact } | RowSource::Tangent { contact } => {
                 self.mends_contact(contact)
@@ -323,21 +333,6 @@ impl RowContext<'_> {
         self.contacts[contact as usize].feature.id.bodies.map(|b| b as usize)
     }
 
-    /// Penetrations of this contact below this are rounding, m.
-    #[must_use]
-    pub fn contact_slop(&self, contact: u32) -> f64 {
-        let [a, b] = self.contact_bodies(contact);
-        SLOP * self.scene.size(a).min(self.scene.size(b))
-    }
-
-    /// Violations of this joint's limits below this are rounding, m or rad.
-    #[must_use]
-    pub fn limit_slop(&self, joint: u32) -> f64 {
-        let turns = self.free(joint).measure == crate::measure::Measure::Angle;
-        let sizes = self.joint(joint).bodies.iter().flatten().map(|b| self.scene.size(*b));
-        SLOP * if turns { 1.0 } else { sizes.fold(f64::INFINITY, f64::min) }
-    }
-
     /// A scalar of a joint at the context's poses.
     #[must_use]
     pub fn joint_geometry(&self, joint: u32, row: JointRow) -> RowGeometry {
@@ -368,28 +363,11 @@ impl RowContext<'_> {
         Unilateral { model: def.contact_model, correction, dt, recovery_speed, slop }
     }
 
-    fn joint(&self, joint: u32) -> &Joint {
+    pub(crate) fn joint(&self, joint: u32) -> &Joint {
         &self.scene.joints[joint as usize]
     }
 
-    fn free(&self, joint: u32) -> JointRow {
+    pub(crate) fn free(&self, joint: u32) -> JointRow {
         self.joint(joint).free.expect("only joints with a free coordinate have limits and motors")
-    }
-}
-
-impl Scene {
-    /// A length that stands for a body's size, m: the radius of its shapes, or of gyration.
-    #[must_use]
-    pub fn size(&self, body: usize) -> f64 {
-        let radius = self.colliders[body].radius();
-        if radius > 0.0 {
-            return radius;
-        }
-        let mass = self.bodies[body].mass;
-        if self.bodies[body].kind == BodyKind::Dynamic {
-            (mass.z / mass.x).sqrt()
-        } else {
-            f64::INFINITY
-        }
     }
 }

@@ -110,8 +110,9 @@ pub enum Correction {
         /// In (0, 1].
         fraction: f64,
     },
-    /// After the move, by the smallest mass-weighted displacement that removes the error, at most
-    /// at the recovery speed; velocities are left alone (Cline & Pai 2003).
+    /// After the move, by the smallest mass-weighted displacements that remove the error to rounding;
+    /// velocities are left alone (Cline & Pai 2003). Penetrations, and joints that were open before the
+    /// move, move at most at the recovery speed.
     Post,
 }
 

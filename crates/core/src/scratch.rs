@@ -8,8 +8,9 @@ use crate::detect::Detection;
 use crate::frames::Frames;
 use crate::guess::Places;
 use crate::island::{Groups, Island};
+use crate::progress::Progress;
 use crate::record::{IslandRecord, PostRecord, StepRecord};
-use crate::row::RowSource;
+use crate::row::{RowSource, SlowRow};
 use crate::rows::Rows;
 use crate::{Rollout, Stage, State};
 
@@ -28,11 +29,14 @@ pub struct StepScratch {
     pub(crate) guess: Guess,
     pub(crate) islands: Pool<Island>,
     pub(crate) records: Pool<IslandRecord>,
+    pub(crate) progress: Progress,
+    pub(crate) posts: Pool<PostRecord>,
     pub(crate) contacts: Pool<Contact>,
     pub(crate) vectors: Pool<Vector3<f64>>,
     pub(crate) floats: Pool<f64>,
     pub(crate) flags: Pool<bool>,
     bodies: Pool<u32>,
+    pub(crate) slow: Pool<SlowRow>,
     sources: Pool<RowSource>,
     problem_rows: Pool<Row>,
 }
@@ -44,11 +48,8 @@ impl StepScratch {
         self.floats.give(control);
         self.contacts.give(contacts);
         self.recycle_islands(islands);
-        if let Some(PostRecord { moved, contacts, loose, islands }) = post {
-            self.vectors.give(moved);
-            self.contacts.give(contacts);
-            self.flags.give(loose);
-            self.recycle_islands(islands);
+        if !post.is_empty() {
+            self.recycle_posts(post);
         }
         self.vectors.give(after.q);
         self.vectors.give(after.v);
@@ -66,6 +67,21 @@ impl StepScratch {
     /// Takes the memory of a run that is needed no more.
     pub fn recycle_run(&mut self, run: Rollout) {
         run.records.into_iter().for_each(|record| self.recycle(record));
+    }
+
+    fn recycle_posts(&mut self, mut posts: Vec<PostRecord>) {
+        posts.drain(..).for_each(|post| self.recycle_post(post));
+        self.posts.give(posts);
+    }
+
+    /// Takes the memory of a displacement.
+    pub(crate) fn recycle_post(&mut self, post: PostRecord) {
+        let PostRecord { moved, contacts, loose, slow, islands } = post;
+        self.vectors.give(moved);
+        self.contacts.give(contacts);
+        self.flags.give(loose);
+        self.slow.give(slow);
+        self.recycle_islands(islands);
     }
 
     fn recycle_islands(&mut self, mut islands: Vec<IslandRecord>) {

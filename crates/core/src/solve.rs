@@ -80,8 +80,8 @@ fn solve_island(
     match solve_assembled(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
         Ok((solution, residual))
             if !gives_too_much(context, &island, &solution)
-                && (island.problem.is_calm(&solution, wild(island.stage))
-                    || is_lever(&island, &solution)) =>
+                && (is_lever(&island, &solution)
+                    || island.problem.is_calm(&solution, wild(island.stage))) =>
         {
             Ok(record(island, solution, residual.max()))
         }

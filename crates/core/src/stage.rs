@@ -27,7 +27,7 @@ pub enum Stage {
     Loose,
     /// The same as [`Loose`](Self::Loose), without restitution.
     Plastic,
-    /// The displacement that removes position errors after the move.
+    /// A displacement that removes position errors after the move.
     Post,
     /// The same where rows give way by [`RowContext::softness`](crate::row::RowContext::softness) times Wᵢᵢ per impulse.
     SoftPost,

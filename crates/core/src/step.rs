@@ -4,8 +4,8 @@
 //!  contacts and limits in reach  →  islands  →  v⁺ = M⁻¹(p + Σ Jᵢᵀ λᵢ)  →  q⁺ = q + dt v⁺
 //! ```
 //!
-//! and, only where positions are then wrong by more than rounding, a displacement of least
-//! mass-weighted size that mends them: q⁺ += dt w.
+//! and, only where positions are then wrong by more than rounding, displacements of least
+//! mass-weighted size that mend them: q⁺ += dt w.
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
@@ -68,13 +68,14 @@ fn advance(
         scratch.places.find(before, &contacts);
     }
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context = RowContext { scene, stage, q, v, control, contacts: &contacts, loose: &[] };
+    let context =
+        RowContext { scene, stage, q, v, control, contacts: &contacts, loose: &[], slow: &[] };
     let islands = solve(&context, solver, state.time, before, islands, scratch)?;
     let after = integrate(scene, state, &momentum, &islands, scratch);
     scratch.vectors.give(momentum);
     let control = scratch.copy_control(control);
-    let mut record = StepRecord { control, contacts, islands, post: None, after };
-    mend_positions(scene, solver, &mut record, scratch)?;
+    let mut record = StepRecord { control, contacts, islands, post: Vec::new(), after };
+    mend_positions(scene, solver, &state.q, &mut record, scratch)?;
     record.after.check(scene.bodies.len())?;
     Ok(record)
 }
@@ -94,7 +95,7 @@ pub(crate) fn set_up(
 ) -> Result<Setup, StepError> {
     scratch.frames.place(&state.q);
     let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[] };
+    let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[], slow: &[] };
     let mut momentum = scratch.vectors.take();
     momentum_into(&context, &scratch.frames, state.time, &mut momentum);
     let mut contacts = scratch.contacts.take();

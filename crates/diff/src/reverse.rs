@@ -8,7 +8,7 @@ use crate::error::DiffError;
 use crate::lcp::LcpAdjoint;
 use crate::report::GradientReport;
 use crate::rotations::Rotations;
-use crate::step::{post_context, velocity_context};
+use crate::step::velocity_context;
 use crate::vector::Bars;
 use crate::{island, momentum, sizes};
 
@@ -38,7 +38,7 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
-        if let Some(post) = &record.post {
+        for post in record.post.iter().rev() {
             self.displacement(scene, record, post, bars, report)?;
         }
         self.motion(scene, record, bars);
@@ -60,7 +60,7 @@ impl Reverse {
         sizes::finite("the gradient by a control", bars.control.iter().all(|u| u.is_finite()))
     }
 
-    /// q⁺ = q̃ + dt w: turns the gradient by q⁺ into that by q̃.
+    /// q̃ + dt w: turns the gradient by it into that by q̃.
     fn displacement(
         &mut self,
         scene: &Scene,
@@ -70,7 +70,7 @@ impl Reverse {
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
         self.rotations.renew(post.moved.len());
-        let context = post_context(scene, record, post);
+        let context = record.post_context(scene, post);
         for island in &post.islands {
             self.seed.clear();
             for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {

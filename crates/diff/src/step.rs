@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  p = M v + dt f(q)         v⁺ = LCP(M, p, rows(q, v))        q̃ = q + dt v⁺
-//!  w = LCP(M, 0, rows(q̃))    q⁺ = q̃ + dt w                     (only where positions were mended)
+//!  w = LCP(M, 0, rows(q̃))    q̃ ← q̃ + dt w       (once for each displacement)      q⁺ = q̃
 //! ```
 
 use nalgebra::{Vector3, Vector4};
@@ -71,7 +71,7 @@ pub fn step_jvp(
         let dv = d_after.v[i];
         d_after.q[i] += dv * scene.dt() + record.after.v[i] * along.scene.dt;
     }
-    if let Some(post) = &record.post {
+    for post in &record.post {
         post_jvp(scene, record, post, &mut d_after, along.scene)?;
     }
     sizes::state_vector("the change of a state", scene, &d_after)?;
@@ -85,17 +85,7 @@ pub(crate) fn velocity_context<'a>(
 ) -> RowContext<'a> {
     let (q, v, stage) = (&before.q, &before.v, Stage::Velocity);
     let (control, contacts) = (&record.control, &record.contacts);
-    RowContext { scene, stage, q, v, control, contacts, loose: &[] }
-}
-
-pub(crate) fn post_context<'a>(
-    scene: &'a Scene,
-    record: &'a StepRecord,
-    post: &'a PostRecord,
-) -> RowContext<'a> {
-    let (q, v, stage) = (&post.moved, &record.after.v, Stage::Post);
-    let (control, contacts, loose) = (&record.control, &post.contacts, &post.loose);
-    RowContext { scene, stage, q, v, control, contacts, loose }
+    RowContext { scene, stage, q, v, control, contacts, loose: &[], slow: &[] }
 }
 
 fn post_jvp(
@@ -105,7 +95,7 @@ fn post_jvp(
     d_after: &mut StateVector,
     along: &SceneVector,
 ) -> Result<(), DiffError> {
-    let context = post_context(scene, record, post);
+    let context = record.post_context(scene, post);
     let d_moved = d_after.clone();
     let no_control = vec![0.0; record.control.len()];
     let direction = Direction { state: &d_moved, control: &no_control, scene: along };

@@ -1,11 +1,13 @@
 //! The scenes that gradients are checked on: short runs that stay clear of switches.
 
-use tangency::{BodyDef, ContactModel, Correction, Param, SceneDef, Stabilisation};
+use tangency::{BodyDef, ContactModel, Correction, JointKind, Param, SceneDef};
 use tangency_bench::scenes::{
     chain, compound_tumble, conveyor, disc, doubled_hinge, falling_disc, incline_block, material,
     misfit_hinges, motor_arm, narrow_slot, paper_chain, pendulum, piston, sliding_disc,
     soft_bridge, spring_cart, stack, unit_scene,
 };
+
+use crate::engine::with_dt;
 
 /// A scene, how long it runs, and the numbers in which it sits on a switch.
 pub(crate) struct Entry {
@@ -43,6 +45,7 @@ pub(crate) fn battery() -> Vec<Entry> {
         entry(two_sided(conveyor()), 30),
         entry(compound_tumble(), 10),
         entry(post_stabilised(), 12),
+        entry(slowly_closing(), 4),
         entry(velocity_model(), 8),
         shifted_stack(),
         entry(pushed_chain(), 20),
@@ -78,12 +81,26 @@ fn oblique() -> SceneDef {
     material(unit_scene("oblique discs", vec![thrown, struck]), 0.1, 0.6)
 }
 
-/// Joint drift and penetration are removed after the move, below the recovery speed.
+/// Joints that open so far in a step that it takes several displacements to close them.
 fn post_stabilised() -> SceneDef {
-    let mut def = swinging_chain();
-    def.stabilisation = Stabilisation { joints: Correction::Post, contacts: Correction::Post };
-    def.recovery_speed = 10.0;
+    let mut def = with_dt(swinging_chain(), 0.02);
+    def.stabilisation.joints = Correction::Post;
+    for (i, body) in def.bodies.iter_mut().enumerate() {
+        body.velocity = [1.5 + 1.5 * i as f64, 0.0];
+        body.angular_velocity = 4.0;
+    }
     def.name = "post-stabilised chain".into();
+    def
+}
+
+/// A pin that closes at the recovery speed, while what turns by that is mended at once.
+fn slowly_closing() -> SceneDef {
+    let mut def = pendulum(2.0);
+    def.stabilisation.joints = Correction::Post;
+    if let JointKind::Revolute { anchor, anchor_b, .. } = &mut def.joints[0].kind {
+        *anchor_b = Some([anchor[0] + 0.06, anchor[1] + 0.002]);
+    }
+    def.name = "slowly closing pin".into();
     def
 }
 

@@ -18,7 +18,7 @@ pub(super) fn signature(tape: &Rollout) -> Vec<(usize, bool, Row, Mode)> {
         for island in &record.islands {
             all.extend(active(island, &record.contacts).map(|(row, mode)| (k, false, row, mode)));
         }
-        if let Some(post) = &record.post {
+        for post in &record.post {
             for island in &post.islands {
                 all.extend(active(island, &post.contacts).map(|(row, mode)| (k, true, row, mode)));
             }

@@ -71,7 +71,7 @@ fn race(rows: &[Row]) -> Grid {
 /// Paths in numbers per step, the methods in problems per step.
 pub(super) fn paths(outcome: &Outcome) -> Grid {
     let start = ["engine", "scene", "dt", "steps", "rows", "contacts"];
-    let end = ["factorisations", "iterations", "mended", "residual"];
+    let end = ["factorisations", "iterations", "displacements", "residual"];
     let methods = METHODS.iter().map(|(_, name)| *name);
     let heading = start.into_iter().chain(methods).chain(end).map(str::to_owned).collect();
     let mut grid = Grid::with_heading(heading);
@@ -79,7 +79,7 @@ pub(super) fn paths(outcome: &Outcome) -> Grid {
         let paths = &row.paths;
         let start = [row.engine.clone(), row.scene.clone(), short(row.dt), paths.steps.to_string()];
         let counts = [paths.rows, paths.contacts].into_iter().chain(paths.solves);
-        let counts = counts.chain([paths.factorisations, paths.iterations, paths.mended]);
+        let counts = counts.chain([paths.factorisations, paths.iterations, paths.displacements]);
         let counts = counts.map(|count| short(paths.per_step(count)));
         grid.row(start.into_iter().chain(counts).chain([format!("{:.1e}", paths.residual)]));
     }
