@@ -4,8 +4,11 @@
 //! turns; what is compared is in the `plan`, and what came out in the `outcome`. Tables (CSV), figures
 //! and a page are written from that.
 
+mod digits;
 mod export;
 mod figures;
+mod goals;
+mod gradient_rows;
 mod markdown;
 mod outcome;
 mod page;
@@ -60,6 +63,10 @@ pub enum Part {
     Solvers,
     /// Counts and ratios that must hold
     Lean,
+    /// What gradients are by, how exact they are, and memory of tapes
+    Gradients,
+    /// Environments side by side, on one thread and on all
+    Batch,
 }
 
 /// Runs the subcommand.
@@ -73,7 +80,7 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let guests = row::read_all(&arguments.peers)?;
     let provenance = Provenance::of_this_run();
     let plan = Plan::new(arguments);
-    let mut outcome = Outcome::measure(&plan, console)?;
+    let mut outcome = Outcome::measure(&plan, &provenance.cores, console)?;
     outcome.add_guests(guests);
 
     let folder = &arguments.out;
