@@ -1,13 +1,12 @@
 //! What a gradient is by, how exact it is, and what it takes beside its time, which the
 //! [race](crate::race) measures.
 
-use tangency_core::{Param, Rollout, Scene, State, simulate};
-use tangency_core::{StepScratch, rollout_in};
+use tangency_core::{Param, Rollout, Scene, SceneDef, State, StepScratch, rollout_in, simulate};
 use tangency_diff::{Gradient, RolloutVector, StateVector, gradient};
 
 use crate::check::Check;
 use crate::engine::{Engine as _, Refusal};
-use crate::finite_difference::derivative;
+use crate::finite_difference::{Estimate, derivative};
 use crate::memory;
 use crate::own::Tangency;
 use crate::race::GRADIENT_STEPS;
@@ -29,8 +28,20 @@ pub struct Study {
     pub compared: usize,
     /// The worst of |g − d| / max(|d|, 1), d being the difference.
     pub error: f64,
-    /// Memory of a tape of [`TAPE_STEPS`] steps, bytes, where the system tells.
-    pub tape: Option<f64>,
+}
+
+/// Studies the scenes of the race that the engine is meant for, with `most` differences in each.
+///
+/// # Errors
+/// A [`Refusal`] where a step has no answer or no derivative.
+pub fn study(engine: &Tangency, most: usize) -> Result<Vec<Study>, Refusal> {
+    let one = |def| {
+        let run = Run::new(engine, engine.scene(&def)?)?;
+        let (compared, error) = run.compare(most)?;
+        let (scene, engine, numbers) = (def.name, engine.name(), run.inputs().len());
+        Ok(Study { scene, engine, numbers, compared, error })
+    };
+    scenes::race_scenes().into_iter().filter(|def| engine.fits(def)).map(one).collect()
 }
 
 /// Steps of a tape that is weighed.
@@ -39,25 +50,14 @@ pub const TAPE_STEPS: usize = 300;
 /// Tapes that are weighed together, twice.
 const TAPES: usize = 16;
 
-/// Studies the scenes of the race, with `most` differences in each.
+/// Memory of a tape of [`TAPE_STEPS`] steps, bytes, where the system tells: see
+/// [`memory::per_copy`].
 ///
 /// # Errors
-/// A [`Refusal`] where a step has no answer or no derivative.
-pub fn study(engine: &Tangency, most: usize) -> Result<Vec<Study>, Refusal> {
-    let one = |def| {
-        let run = Run::new(engine, engine.scene(&def)?)?;
-        let (compared, error) = run.compare(most)?;
-        let weigh = || simulate(&run.scene, &*engine.solver, TAPE_STEPS);
-        Ok(Study {
-            scene: def.name,
-            engine: engine.name(),
-            numbers: run.inputs().len(),
-            compared,
-            error,
-            tape: memory::per_copy(TAPES, weigh)?,
-        })
-    };
-    scenes::race_scenes().into_iter().map(one).collect()
+/// A [`Refusal`] where the scene or a step is refused.
+pub fn tape(engine: &Tangency, def: &SceneDef) -> Result<Option<f64>, Refusal> {
+    let scene = engine.scene(def)?;
+    memory::per_copy(TAPES, || Ok(simulate(&scene, &*engine.solver, TAPE_STEPS)?))
 }
 
 /// A number that the gradient is by.
@@ -128,14 +128,23 @@ impl<'a> Run<'a> {
             Input::Number(param) => self.scene.get(param)?,
             Input::Control(..) => 0.0,
         };
+        let at = |step: &f64| self.difference_at(input, x, step * x.abs().max(0.1));
+        let found = STEPS.iter().filter_map(at);
+        found.min_by(|a, b| a.error.total_cmp(&b.error)).map(|best| best.value)
+    }
+
+    fn difference_at(&self, input: Input, x: f64, step: f64) -> Option<Estimate> {
         let (modes, mut crossed) = (signature(&self.tape), false);
         let value = |x: f64| {
+            if crossed {
+                return f64::NAN;
+            }
             let changed = self.changed(input, x).ok().filter(|run| signature(run) == modes);
-            crossed |= changed.is_none();
+            crossed = changed.is_none();
             changed.map_or(f64::NAN, |run| last_pose(&run))
         };
-        let found = derivative(value, x, STEP * x.abs().max(0.1));
-        (!crossed).then_some(found.value)
+        let found = derivative(value, x, step);
+        (!crossed).then_some(found)
     }
 
     /// The run with one number changed.
@@ -151,8 +160,8 @@ impl<'a> Run<'a> {
     }
 }
 
-/// Steps of differences, in parts of the number: small, so that few cross a switch.
-const STEP: f64 = 1e-5;
+/// Steps of differences in parts of the number; the one that says the least error of itself counts.
+const STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
 /// What is differentiated: x + y + θ of the last body at the end.
 fn last_pose(run: &Rollout) -> f64 {

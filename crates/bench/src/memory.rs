@@ -13,7 +13,8 @@ use crate::engine::{Engine, Refusal};
 /// ```
 ///
 /// The first n fill what earlier work has given back to the allocator, so that the second n come from
-/// the system. What is counted are pages: let all copies together take some MiB.
+/// the system. Where that was more than n copies take, too little is found: weigh in a process that has
+/// done little before. What is counted are pages: let all copies together take some MiB.
 ///
 /// # Errors
 /// What `build` is refused by.

@@ -185,10 +185,7 @@ fn is_large(row: &tangency_bench::batch::Throughput, scene: &str) -> bool {
 
 fn memory(outcome: &Outcome) -> Vec<Check> {
     let mib = |bytes: f64| bytes / f64::from(1 << 20);
-    let chain = |study: &&tangency_bench::gradients::Study| {
-        study.scene == "chain of 10" && study.engine == outcome.own
-    };
-    let tape = outcome.gradients.iter().find(chain).and_then(|study| study.tape);
+    let tape = outcome.tape("chain of 10");
     let scene = format!("chain of {MANY}: memory of scene and step, MiB");
     vec![
         Check::at_most("chain of 10: tape of 300 steps, MiB", tape.map(mib), 1.0),

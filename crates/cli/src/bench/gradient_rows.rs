@@ -15,6 +15,8 @@ struct GradientRow<'a> {
     /// Of the same gradient by ours, µs.
     own_us: Option<f64>,
     study: Option<&'a Study>,
+    /// Of ours, bytes.
+    tape: Option<f64>,
 }
 
 impl GradientRow<'_> {
@@ -29,26 +31,23 @@ fn told(outcome: &Outcome) -> impl Iterator<Item = &Row> {
 }
 
 fn rows(outcome: &Outcome) -> Vec<GradientRow<'_>> {
-    let study = |scene: &str, engine: &str| {
-        outcome.gradients.iter().find(|study| study.scene == scene && study.engine == engine)
-    };
-    let own_us = |scene: &str| {
-        let own = told(outcome).find(|row| row.scene == scene && row.engine == outcome.own);
-        own.and_then(|row| row.gradient_us)
-    };
-    let raced = told(outcome).map(|row| {
-        let (scene, engine) = (&*row.scene, &*row.engine);
-        let (own_us, study) = (own_us(scene), study(scene, engine));
-        GradientRow { scene, engine, race: Some(row), own_us, study }
-    });
-    let alone = outcome.gradients.iter().filter(|study| {
-        !told(outcome).any(|row| row.scene == study.scene && row.engine == study.engine)
-    });
-    let alone = alone.map(|study| {
-        let (scene, engine) = (&*study.scene, &*study.engine);
-        GradientRow { scene, engine, race: None, own_us: None, study: Some(study) }
-    });
-    raced.chain(alone).collect()
+    let raced = told(outcome).map(|row| (&*row.scene, &*row.engine));
+    let mut places: Vec<(&str, &str)> = raced.collect();
+    for study in &outcome.gradients {
+        let place = (&*study.scene, &*study.engine);
+        if !places.contains(&place) {
+            places.push(place);
+        }
+    }
+    places.into_iter().map(|(scene, engine)| of(outcome, scene, engine)).collect()
+}
+
+fn of<'a>(outcome: &'a Outcome, scene: &'a str, engine: &'a str) -> GradientRow<'a> {
+    let race = |engine: &str| told(outcome).find(|r| r.scene == scene && r.engine == engine);
+    let own_us = race(&outcome.own).and_then(|row| row.gradient_us);
+    let study = outcome.gradients.iter().find(|it| it.scene == scene && it.engine == engine);
+    let tape = outcome.tape(scene).filter(|_| engine == outcome.own);
+    GradientRow { scene, engine, race: race(engine), own_us, study, tape }
 }
 
 /// One row per gradient; what was not measured is empty.
@@ -64,9 +63,7 @@ pub(super) fn grid(outcome: &Outcome) -> Grid {
             ("numbers", |row| cell(row.study.map(|study| study.numbers))),
             ("compared", |row| cell(row.study.map(|study| study.compared))),
             ("error", |row| number(row.study.map(|study| study.error), small)),
-            ("tape_kib", |row| {
-                number(row.study.and_then(|study| study.tape), |b| digits(b / 1024.0))
-            }),
+            ("tape_kib", |row| number(row.tape, |bytes| digits(bytes / 1024.0))),
             ("note", |row| row.race.map_or_else(String::new, |row| row.note.clone())),
         ],
     )

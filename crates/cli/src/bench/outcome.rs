@@ -3,24 +3,24 @@
 use std::fs;
 
 use core_affinity::CoreId;
-use tangency::{Scene, default_solver, load_scene};
+use tangency::{Scene, SceneDef, default_solver, load_scene};
 use tangency_bench::batch::{self, Throughput, batched_scenes};
 use tangency_bench::check::Check;
 use tangency_bench::engine::{Engine, Refusal};
 use tangency_bench::gradients::{Study, all_over_one, study};
 use tangency_bench::growth::{Curve, families, grow};
 use tangency_bench::lean::checks;
-use tangency_bench::memory::of_world;
-use tangency_bench::own::{Joints, Tangency};
+use tangency_bench::own::Tangency;
 use tangency_bench::paths::Paths;
 use tangency_bench::precision::{Case, Front, cases, sweep};
 use tangency_bench::race::{Entry, heats, race};
 use tangency_bench::recorded::{Score, compare, hard, problems, spread};
-use tangency_bench::scenes::race_chain;
+use tangency_bench::scenes::race_scenes;
 
 use super::Part;
 use super::plan::{Plan, candidates, own, peers, pools};
 use super::row::Row;
+use super::weigh::{self, Weight};
 use crate::{Console, Failure};
 
 /// Everything that was measured.
@@ -36,6 +36,8 @@ pub(super) struct Outcome {
     /// That a gradient costs the same by one number and by many.
     pub(super) all_over_one: Option<Check>,
     pub(super) batch: Vec<Throughput>,
+    /// Memory of the tapes of the race's scenes, bytes, by scene.
+    pub(super) tapes: Vec<(String, f64)>,
     /// Memory of a chain of [`MANY`] links in motion, bytes.
     pub(super) large_scene: Option<f64>,
     /// Our first engine.
@@ -115,6 +117,10 @@ impl Outcome {
             self.gradients.extend(study(engine, plan.differences)?);
             progress.inc(1);
         }
+        for def in race_scenes() {
+            let tape = weigh::in_own_process(Weight::Tape, &def.name);
+            self.tapes.extend(tape.map(|bytes| (def.name, bytes)));
+        }
         if let Some(engine) = own.first() {
             self.all_over_one = Some(all_over_one(engine, &plan.patience)?);
         }
@@ -134,6 +140,11 @@ impl Outcome {
         }
         progress.finish_and_clear();
         Ok(())
+    }
+
+    /// Memory of a scene's tape, bytes.
+    pub(super) fn tape(&self, scene: &str) -> Option<f64> {
+        self.tapes.iter().find(|(name, _)| name == scene).map(|(_, bytes)| *bytes)
     }
 
     /// A solver's time over that of the native one, which comes first, at the same tolerance.
@@ -159,8 +170,7 @@ impl Outcome {
         let progress = console.progress(heats.len(), "race");
         let mut entries: Vec<Entry> = Vec::new();
         for heat in &heats {
-            let jointed = !heat.def.joints.is_empty();
-            let engines = fitting(own, &others, jointed);
+            let engines = fitting(own, &others, &heat.def);
             entries.extend(race(heat, &engines, &plan.patience, &entries));
             progress.inc(1);
         }
@@ -181,7 +191,7 @@ impl Outcome {
         let cases = cases(plan.base);
         let progress = console.progress(cases.len(), "time against error");
         for case in cases {
-            let engines = fitting(own, &others, !case.def.joints.is_empty());
+            let engines = fitting(own, &others, &case.def);
             let fronts = sweep(&case, &engines, plan.halvings, &plan.sweep);
             self.precision.push((case, fronts));
             progress.inc(1);
@@ -194,7 +204,8 @@ impl Outcome {
         let families = families(plan.longest_chain, plan.most_rows);
         let progress = console.progress(families.len(), "growth");
         for family in &families {
-            let engines = fitting(own, &others, family.name == "chain");
+            let Some((_, first)) = family.members.first() else { continue };
+            let engines = fitting(own, &others, first);
             // phyz has points in the race; its steps among many contacts cannot be cut short.
             let engines =
                 engines.into_iter().filter(|e| family.name == "chain" || e.name() != "phyz");
@@ -203,10 +214,8 @@ impl Outcome {
             progress.inc(1);
         }
         progress.finish_and_clear();
-        if plan.longest_chain >= MANY
-            && let Some(engine) = own.first()
-        {
-            self.large_scene = of_world(engine, &race_chain(MANY)).ok().flatten();
+        if plan.longest_chain >= MANY {
+            self.large_scene = weigh::in_own_process(Weight::World, &format!("chain of {MANY}"));
         }
     }
 
@@ -265,14 +274,13 @@ fn all<'a>(own: &'a [Tangency], others: &'a [Box<dyn Engine>]) -> Vec<&'a dyn En
     own.chain(others.iter().map(|engine| &**engine)).collect()
 }
 
-/// Projection of joints only where there are joints.
+/// Ours that make a difference in a scene, and all others.
 fn fitting<'a>(
     own: &'a [Tangency],
     others: &'a [Box<dyn Engine>],
-    jointed: bool,
+    def: &SceneDef,
 ) -> Vec<&'a dyn Engine> {
-    let own = own.iter().filter(|engine| jointed || engine.joints == Joints::AsDefined);
-    let own = own.map(|engine| engine as &dyn Engine);
+    let own = own.iter().filter(|engine| engine.fits(def)).map(|engine| engine as &dyn Engine);
     own.chain(others.iter().map(|engine| &**engine)).collect()
 }
 

@@ -199,6 +199,13 @@ pub(super) fn batch(outcome: &Outcome) -> Grid {
     )
 }
 
+/// For the terminal: the goals that this run says something of.
+pub(super) fn judged(outcome: &Outcome) -> Grid {
+    let mut found = goals(outcome);
+    found.retain(|check| check.found.is_some());
+    checks(&found)
+}
+
 /// For the terminal: times per step of the race.
 pub(super) fn summary(outcome: &Outcome) -> Grid {
     Grid::of(
