@@ -165,7 +165,7 @@ const STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
 
 /// What is differentiated: x + y + θ of the last body at the end.
 fn last_pose(run: &Rollout) -> f64 {
-    run.last().q.last().map_or(0.0, |q| q.sum())
+    run.last().q.last().map_or(0.0, nalgebra::Matrix::sum)
 }
 
 /// A run with all controls zero but one: step, channel, value.

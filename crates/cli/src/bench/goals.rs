@@ -1,5 +1,6 @@
 //! The goals of this project's speed, each with what this run found.
 
+use tangency_bench::batch::Throughput;
 use tangency_bench::check::Check;
 use tangency_bench::precision::Front;
 
@@ -171,16 +172,13 @@ const BATCH: usize = 1024;
 fn batches(outcome: &Outcome) -> Vec<Check> {
     let scenes = ["cartpole", "chain of 10", "stack of 10"];
     let check = |scene: &str| {
-        let large = |row: &&_| is_large(row, scene);
-        let found = outcome.batch.iter().filter(large).next_back();
+        let large =
+            |row: &&Throughput| row.scene == scene && row.environments == BATCH && row.threads > 1;
+        let found = outcome.batch.iter().rfind(large);
         let what = format!("{BATCH} environments, {scene}: efficiency on all cores");
         Check::at_least(what, found.map(|row| row.efficiency), 0.9)
     };
     scenes.map(check).into()
-}
-
-fn is_large(row: &tangency_bench::batch::Throughput, scene: &str) -> bool {
-    row.scene == scene && row.environments == BATCH && row.threads > 1
 }
 
 fn memory(outcome: &Outcome) -> Vec<Check> {

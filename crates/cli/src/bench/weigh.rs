@@ -40,7 +40,9 @@ pub(super) fn run(weight: Weight, scene: &str, console: &Console) -> Result<(), 
             Weight::World => of_world(&engine, &def),
         };
         let bytes = bytes.map_err(|source| Failure::Bench { part: "memory", source })?;
-        bytes.into_iter().for_each(|bytes| console.say(bytes));
+        if let Some(bytes) = bytes {
+            console.say(bytes);
+        }
     }
     Ok(())
 }
