@@ -8,18 +8,17 @@
 pub(crate) mod battery;
 pub(crate) mod loss;
 pub(crate) mod numbers;
-mod signature;
 
 use nalgebra::Vector3;
 use tangency::diff::{Gradient, RolloutVector, StateVector, gradient, gradient_adding, tangent};
 use tangency::{LcpSolver, Param, Rollout, Scene, State, rollout};
 use tangency_bench::finite_difference::derivative;
+use tangency_bench::signature::signature;
 
 use crate::engine::{backends, built};
 use battery::{Entry, battery};
 use loss::{coefficients, loss};
 use numbers::{controls, numbers};
-use signature::signature;
 
 /// What a difference is taken by.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,8 @@
 //! What a gradient costs beside the run that it is of: the scenes of the races, and the paper's chain
 //! with one mass per link, against finite differences.
 
+mod settings;
+
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
@@ -26,13 +28,7 @@ fn loss(rollout: &Rollout) -> f64 {
 fn races(criterion: &mut Criterion) {
     let solver = tangency::default_solver();
     let mut group = criterion.benchmark_group("race scenes, 200 steps");
-    let defs = [
-        scenes::race_bounce(),
-        scenes::race_stack(10),
-        scenes::race_chain(10),
-        scenes::race_cartpole(),
-    ];
-    for def in defs {
+    for def in scenes::race_scenes() {
         let scene = Scene::new(&def).expect("a valid scene");
         let tape = simulate(&scene, &*solver, RACE_STEPS).expect("a run");
         group.bench_function(BenchmarkId::new("forward", &def.name), |bencher| {
@@ -85,10 +81,7 @@ fn paper_chain(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    config = Criterion::default()
-        .sample_size(10)
-        .warm_up_time(std::time::Duration::from_millis(200))
-        .measurement_time(std::time::Duration::from_millis(800));
+    config = settings::brief();
     targets = races, paper_chain
 }
 criterion_main!(benches);

@@ -1,5 +1,7 @@
 //! Time of a batch, on one thread and on all.
 
+mod settings;
+
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use rayon::ThreadPool;
 use tangency::batch::{Batch, Controls};
@@ -59,10 +61,7 @@ fn gradients(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    config = Criterion::default()
-        .sample_size(20)
-        .warm_up_time(std::time::Duration::from_millis(200))
-        .measurement_time(std::time::Duration::from_millis(800));
+    config = settings::brief();
     targets = steps, gradients
 }
 criterion_main!(benches);

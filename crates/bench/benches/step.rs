@@ -1,5 +1,7 @@
 //! Time per step, scene by scene.
 
+mod settings;
+
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -13,13 +15,8 @@ fn named() -> Vec<(String, SceneDef)> {
         ("sliding block".into(), scenes::sliding_box(1.0, 0.3, 3.0)),
         ("soft bridge, 10 planks".into(), scenes::soft_bridge(10)),
     ];
-    let race = [
-        scenes::race_bounce(),
-        scenes::race_stack(10),
-        scenes::race_chain(10),
-        scenes::race_cartpole(),
-    ];
-    list.extend(race.into_iter().map(|def| (format!("race: {}", def.name), def)));
+    let race = scenes::race_scenes().into_iter();
+    list.extend(race.map(|def| (format!("race: {}", def.name), def)));
     for n in [1, 10, 40] {
         list.push((format!("chain of {n}"), scenes::chain(n, 0.2, 0.1)));
         list.push((format!("stack of {n}"), scenes::stack(&vec![1.0; n])));
@@ -44,10 +41,7 @@ fn step_time(criterion: &mut Criterion) {
 
 criterion_group! {
     name = benches;
-    config = Criterion::default()
-        .sample_size(20)
-        .warm_up_time(std::time::Duration::from_millis(200))
-        .measurement_time(std::time::Duration::from_millis(800));
+    config = settings::brief();
     targets = step_time
 }
 criterion_main!(benches);

@@ -5,6 +5,10 @@ hold exactly. Discs are spheres, boxes are 1 m deep, the floor is a plane. There
 restitution: contacts are the softest springs and dampers that the default `solref` makes, and e = 0.
 """
 
+import math
+
+import mujoco
+
 
 def model(heat, options="", geoms=""):
     """The XML of a scene."""
@@ -66,6 +70,21 @@ def _open(heat, index, joint, origin, geoms):
         f'<inertial pos="{center}" mass="{body.mass!r}" diaginertia="{inertia}"/>{joints}{shape}'
     )
     return text, at
+
+
+def poses(heat, model, data):
+    """The pose (x, y, angle) of every body's centre of mass, from MuJoCo's data."""
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    found = []
+    for body in heat.bodies:
+        if not body.dynamic:
+            found.append((*body.position, body.angle))
+            continue
+        index = model.body(body.name).id
+        at, turn = data.xipos[index], data.xmat[index].reshape(3, 3)
+        found.append((at[0], at[2], body.angle + math.atan2(turn[2, 0], turn[0, 0])))
+    return found
 
 
 def velocities(heat):

@@ -3,8 +3,6 @@
 The gradient is by all states, in reverse over its finite-difference transition matrices (mjd_transitionFD).
 """
 
-import math
-
 import mujoco
 import numpy as np
 
@@ -13,7 +11,7 @@ from race import anything, race
 
 
 class World:
-    gradient_note = "by finite differences of every step"
+    gradient_note = "gradient by the initial state, from finite differences of every step"
 
     def __init__(self, heat):
         self.heat = heat
@@ -26,17 +24,7 @@ class World:
         mujoco.mj_step(self.model, self.data, nstep=steps)
 
     def poses(self):
-        mujoco.mj_kinematics(self.model, self.data)
-        mujoco.mj_comPos(self.model, self.data)
-        found = []
-        for body in self.heat.bodies:
-            if not body.dynamic:
-                found.append((*body.position, body.angle))
-                continue
-            index = self.model.body(body.name).id
-            at, turn = self.data.xipos[index], self.data.xmat[index].reshape(3, 3)
-            found.append((at[0], at[2], body.angle + math.atan2(turn[2, 0], turn[0, 0])))
-        return found
+        return mjcf.poses(self.heat, self.model, self.data)
 
     def value_and_gradient(self, steps):
         nv = self.model.nv
@@ -47,7 +35,7 @@ class World:
             tape.append(A)
             mujoco.mj_step(self.model, self.data)
         bar = np.zeros(2 * nv)
-        bar[nv - 3 if self.heat.touches else nv - 1] = 1.0
+        bar[self.heat.last(nv)] = 1.0
         for A in reversed(tape):
             bar = A.T @ bar
         return bar

@@ -14,6 +14,8 @@ from race import race
 
 
 class World:
+    gradient_note = "gradient by the initial state"
+
     def __init__(self, heat):
         self.heat, self.world = heat, nimble.simulation.World()
         self.world.setGravity([*heat.gravity, 0.0])
@@ -103,8 +105,7 @@ class World:
         state, action = start, torch.zeros(self.world.getActionSize(), dtype=start.dtype)
         for _ in range(steps):
             state = nimble.timestep(self.world, state, action)
-        last = self.world.getNumDofs() - (3 if self.heat.touches else 1)
-        state[last].backward()
+        state[self.heat.last(self.world.getNumDofs())].backward()
         return start.grad
 
 

@@ -2,7 +2,8 @@
 
 `tangency bench --export race.json` writes the scenes. An engine's script gives `race` a function that
 builds a world from a `Heat`; a world has `run(steps)` and `poses()`, the (x, y, angle) of every body's
-centre of mass in the definition's order, and may have `value_and_gradient(steps)`.
+centre of mass in the definition's order, and may have `value_and_gradient(steps)`, whose `gradient_note` says
+what the gradient is by.
 """
 
 import argparse
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 
 COLUMNS = [
     "engine", "scene", "dt", "steps", "us_per_step", "us_lower", "us_upper", "us_least", "penetration",
-    "drift", "residual", "factorisations", "iterations", "gradient", "note",
+    "drift", "residual", "factorisations", "iterations", "gradient", "gradient_us", "note",
 ]
 
 
@@ -63,6 +64,10 @@ class Heat:
     def touches(self):
         """Whether anything can touch."""
         return any(body.shape for body in self.bodies)
+
+    def last(self, size):
+        """Which of an engine's `size` coordinates is the last body's x, or its joint's."""
+        return size - (3 if self.touches else 1)
 
 
 def _body(given):
@@ -205,23 +210,23 @@ def _measure(name, heat, build, options):
     row.update(zip(COLUMNS[4:8], micro))
     row.update(steps=steps, penetration=pen, drift=joint)
     if heat.gradient_steps:
-        row["gradient"], row["note"] = _gradient(make, heat.gradient_steps, options)
+        row.update(_gradient(make, heat.gradient_steps, options))
     return row
 
 
 def _gradient(make, steps, options):
     world = make()
     if not hasattr(world, "value_and_gradient"):
-        return "", "no gradient"
+        return {"note": "no gradient"}
     try:
         if hasattr(world, "prepare"):
             world.prepare(steps)
         world.value_and_gradient(steps)
     except Exception as refusal:  # whatever the engine raises
-        return "", f"gradient refused: {refusal}".splitlines()[0][:120]
+        return {"note": f"gradient refused: {refusal}".splitlines()[0][:120]}
     value = min(_samples(make, steps, options)) * steps
     both = min(_timed(lambda w=make(): w.value_and_gradient(steps)) for _ in range(3))
-    return both / value, getattr(world, "gradient_note", "")
+    return {"gradient": both / value, "gradient_us": 1e6 * both, "note": world.gradient_note}
 
 
 def race(engines):

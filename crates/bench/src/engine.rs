@@ -1,11 +1,13 @@
 //! What is timed: an engine that builds worlds from scene definitions, and worlds that step.
 
+use tangency_batch::BatchError;
+use tangency_core::lcp::LcpError;
 use tangency_core::{SceneDef, SceneError, State, StepError};
 use tangency_diff::DiffError;
 
 use crate::paths::Paths;
 
-/// Why an engine did not run a scene.
+/// Why something was not measured.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
@@ -18,6 +20,12 @@ pub enum Refusal {
     /// A derivative of ours was refused.
     #[error(transparent)]
     Derivative(#[from] DiffError),
+    /// A problem was refused by ours.
+    #[error(transparent)]
+    Problem(#[from] LcpError),
+    /// A batch of ours was refused, or one of its environments.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
     /// The engine has no counterpart for a part of the scene.
     #[error("{engine} has no {what}")]
     Unsupported {

@@ -17,8 +17,11 @@ pub mod problems;
 mod random_scene;
 pub mod retelling;
 pub mod scenes;
+pub mod signature;
 mod state_hash;
 
+pub mod check;
+pub mod memory;
 pub mod timing;
 // What runs,
 pub mod engine;
@@ -26,6 +29,8 @@ pub mod own;
 #[cfg(feature = "peers")]
 pub mod peers;
 // and what is asked of it.
+pub mod batch;
+pub mod gradients;
 pub mod growth;
 pub mod lean;
 pub mod paths;

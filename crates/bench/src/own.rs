@@ -30,6 +30,13 @@ pub struct Tangency {
 }
 
 impl Tangency {
+    /// Whether this variant differs from the plain one in a scene: joints are projected where there are
+    /// some.
+    #[must_use]
+    pub fn fits(&self, def: &SceneDef) -> bool {
+        self.joints == Joints::AsDefined || !def.joints.is_empty()
+    }
+
     /// The scene as this variant runs it.
     ///
     /// # Errors

@@ -37,18 +37,13 @@ impl Heat {
 /// The heats: four small scenes at 5 ms and at 1/60 s, long chains and pyramids at 1/60 s.
 #[must_use]
 pub fn heats(longest_chain: usize, widest_pyramid: usize) -> Vec<Heat> {
-    let small = [
-        ("bounce", scenes::race_bounce()),
-        ("stack", scenes::race_stack(10)),
-        ("chain", scenes::race_chain(10)),
-        ("cartpole", scenes::race_cartpole()),
-    ];
+    let small = || ["bounce", "stack", "chain", "cartpole"].into_iter().zip(scenes::race_scenes());
     let slow = 1.0 / 60.0;
-    let fine = small.iter().map(|(family, def)| {
-        let heat = Heat::new(family, def.clone(), 0.005, 400);
+    let fine = small().map(|(family, def)| {
+        let heat = Heat::new(family, def, 0.005, 400);
         Heat { gradient: true, ..heat }
     });
-    let coarse = small.iter().map(|(family, def)| Heat::new(family, def.clone(), slow, 120));
+    let coarse = small().map(|(family, def)| Heat::new(family, def, slow, 120));
     let lengths = [50, 200, 1000, 10_000].into_iter().filter(|n| *n <= longest_chain);
     let chains = lengths.map(|n| Heat::new("chain", scenes::race_chain(n), slow, 60));
     let bases = [10, 20].into_iter().filter(|base| *base <= widest_pyramid);
@@ -85,7 +80,7 @@ pub struct Performance {
     pub penetration: f64,
     /// Largest joint error at every fifth step, m or rad.
     pub drift: f64,
-    /// Value and gradient over value, both of [`GRADIENT_STEPS`] steps.
+    /// What the gradient of [`GRADIENT_STEPS`] steps costs.
     pub gradient: Gradient,
     /// Which ways the steps took, if the engine tells.
     pub paths: Option<Paths>,
@@ -100,8 +95,25 @@ pub enum Gradient {
     None,
     /// The engine refused, or takes longer than the cap.
     Refused,
+    /// Its cost.
+    Known(GradientCost),
+}
+
+/// What a value and its gradient cost, and the value alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GradientCost {
+    /// Time of the value alone, which keeps no record, s.
+    pub value: Quartiles,
+    /// Time of value and gradient, s.
+    pub both: Quartiles,
+}
+
+impl GradientCost {
     /// Value and gradient over value.
-    Multiple(f64),
+    #[must_use]
+    pub fn multiple(&self) -> f64 {
+        self.both.least / self.value.least
+    }
 }
 
 /// Runs all engines on a heat. `before` is what they did so far.
@@ -140,7 +152,7 @@ pub fn race(
                 trial.step = time?.scaled(1.0 / trial.steps as f64);
             }
             if heat.gradient {
-                trial.gradient = gradient_multiple(*engine, &heat.def, patience);
+                trial.gradient = gradient_cost(*engine, &heat.def, patience);
             }
             Ok(trial)
         });
@@ -200,7 +212,7 @@ fn run(world: &mut dyn World, steps: usize) -> Result<(), Refusal> {
 }
 
 /// Value and gradient against the value alone, which keeps no record.
-fn gradient_multiple(engine: &dyn Engine, def: &SceneDef, patience: &Patience) -> Gradient {
+fn gradient_cost(engine: &dyn Engine, def: &SceneDef, patience: &Patience) -> Gradient {
     let Ok(built) = engine.value_and_gradient(def, GRADIENT_STEPS) else {
         return Gradient::Refused;
     };
@@ -214,8 +226,8 @@ fn gradient_multiple(engine: &dyn Engine, def: &SceneDef, patience: &Patience) -
         result.map(|_| time)
     });
     let times = interleaved(vec![forward(engine, def, GRADIENT_STEPS), both], patience);
-    match &times[..] {
-        [Ok(value), Ok(both)] => Gradient::Multiple(both.least / value.least),
+    match times[..] {
+        [Ok(value), Ok(both)] => Gradient::Known(GradientCost { value, both }),
         _ => Gradient::Refused,
     }
 }

@@ -44,7 +44,7 @@ pub use machines::{
     bent_arm, compound_tumble, conveyor, motor_arm, piston, soft_bridge, spring_cart,
 };
 pub use masonry::{arch, gable, pyramid};
-pub use race::{race_bounce, race_cartpole, race_chain, race_stack};
+pub use race::{race_bounce, race_cartpole, race_chain, race_scenes, race_stack};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
 pub use tight::{misfit_hinges, narrow_slot, seesaw, wedged_box};

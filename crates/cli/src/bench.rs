@@ -4,8 +4,11 @@
 //! turns; what is compared is in the `plan`, and what came out in the `outcome`. Tables (CSV), figures
 //! and a page are written from that.
 
+mod digits;
 mod export;
 mod figures;
+mod goals;
+mod gradient_rows;
 mod markdown;
 mod outcome;
 mod page;
@@ -13,6 +16,7 @@ mod plan;
 mod provenance;
 mod row;
 mod tables;
+mod weigh;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,6 +26,7 @@ use clap::{Args, ValueEnum};
 use self::outcome::Outcome;
 use self::plan::Plan;
 use self::provenance::Provenance;
+use self::weigh::Weight;
 use crate::{Console, Failure};
 
 /// The options of `bench`.
@@ -42,6 +47,12 @@ pub struct Arguments {
     /// Write the scenes of the race as JSON for other engines to this file, and end
     #[arg(long, value_name = "FILE.json")]
     pub export: Option<PathBuf>,
+    /// Print the memory that something takes, and end: for processes that this one starts
+    #[arg(long, hide = true, requires = "of")]
+    weigh: Option<Weight>,
+    /// The scene that is weighed
+    #[arg(long, hide = true)]
+    of: Option<String>,
     /// Folder for tables, figures and the page
     #[arg(long, default_value = "out/bench")]
     pub out: PathBuf,
@@ -60,6 +71,10 @@ pub enum Part {
     Solvers,
     /// Counts and ratios that must hold
     Lean,
+    /// What gradients are by, how exact they are, and memory of tapes
+    Gradients,
+    /// Environments side by side, on one thread and on all
+    Batch,
 }
 
 /// Runs the subcommand.
@@ -70,10 +85,13 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     if let Some(file) = &arguments.export {
         return export::write(file);
     }
+    if let (Some(weight), Some(scene)) = (arguments.weigh, &arguments.of) {
+        return weigh::run(weight, scene, console);
+    }
     let guests = row::read_all(&arguments.peers)?;
     let provenance = Provenance::of_this_run();
     let plan = Plan::new(arguments);
-    let mut outcome = Outcome::measure(&plan, console)?;
+    let mut outcome = Outcome::measure(&plan, &provenance.cores, console)?;
     outcome.add_guests(guests);
 
     let folder = &arguments.out;
@@ -83,7 +101,8 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     write(&folder.join("tables.md"), &markdown::markdown(&outcome, &provenance))?;
     let page = folder.join("bench.html");
     write(&page, &page::page(&outcome, &figures, &provenance, &plan))?;
-    console.say(format_args!("{}\n\nthe report: {}", tables::summary(&outcome), page.display()));
+    let (race, goals) = (tables::summary(&outcome), tables::judged(&outcome));
+    console.say(format_args!("{race}\n\n{goals}\n\nthe report: {}", page.display()));
     Ok(())
 }
 

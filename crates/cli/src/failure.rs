@@ -55,6 +55,9 @@ pub enum Failure {
         /// Why.
         source: Refusal,
     },
+    /// Threads that the system does not give.
+    #[error("no pool of threads")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
     /// Figures outside their tolerances.
     #[error("{failed} figures are outside their tolerance; the table names them")]
     Invalid {
@@ -196,6 +199,7 @@ impl Failure {
             Self::Write { .. }
             | Self::Step { .. }
             | Self::Bench { .. }
+            | Self::Threads(_)
             | Self::Invalid { .. }
             | Self::Unsolved { .. }
             | Self::State(_)

@@ -11,6 +11,9 @@ pub struct Grid {
     rows: Vec<Vec<String>>,
 }
 
+/// A heading, and what stands below it of a thing.
+pub(crate) type Column<T> = (&'static str, fn(&T) -> String);
+
 impl Grid {
     /// A grid with only its heading.
     #[must_use]
@@ -22,6 +25,16 @@ impl Grid {
     #[must_use]
     pub fn with_heading(heading: Vec<String>) -> Self {
         Self { rows: vec![heading] }
+    }
+
+    /// A row for each of some things, a column for each of what is shown of them.
+    #[must_use]
+    pub(crate) fn of<T>(things: impl IntoIterator<Item = T>, columns: &[Column<T>]) -> Self {
+        let mut grid = Self::with_heading(columns.iter().map(|(name, _)| (*name).into()).collect());
+        for thing in things {
+            grid.row(columns.iter().map(|(_, show)| show(&thing)));
+        }
+        grid
     }
 
     /// Adds a row.

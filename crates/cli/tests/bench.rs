@@ -54,12 +54,14 @@ fn a_quick_run_writes_tables_figures_and_a_page() {
         ("growth.csv", "us_per_step", f64::INFINITY),
         ("solvers.csv", "us_per_problem", f64::INFINITY),
         ("lean.csv", "found", f64::INFINITY),
+        ("batch.csv", "steps_per_second", f64::INFINITY),
     ] {
-        let found = numbers(&out.join(table), column, false);
+        let found = numbers(&out.join(table), column, true);
         assert!(!found.is_empty(), "{table} has rows");
         let fits = |number: &f64| *number >= 0.0 && *number <= most;
         assert!(found.iter().all(fits), "{table}, {column}: {found:?}");
     }
+    assert!(!numbers(&out.join("gradients.csv"), "over_value", true).is_empty());
     let page = fs::read_to_string(out.join("bench.html")).expect("written");
     assert!(!page.contains('@'), "every mark of the template is filled");
     for stem in ["precision-V02", "precision-V36", "growth-chain", "growth-pyramid", "solvers"] {
@@ -90,13 +92,45 @@ fn what_is_known_beforehand() {
     }
 }
 
+/// Gradients agree with differences, tapes take about what their states and rows do, and goals are told
+/// with what the run found of them.
+#[test]
+fn gradients_and_goals() {
+    let folder = succeed(&["--quick", "--only", "gradients"]);
+    let out = folder.path().join("out/bench");
+    let errors = numbers(&out.join("gradients.csv"), "error", false);
+    assert!(errors.len() >= 4, "{errors:?}");
+    assert!(errors.iter().all(|error| *error < 1e-6), "{errors:?}");
+    let compared: f64 = numbers(&out.join("gradients.csv"), "compared", false).iter().sum();
+    assert!(compared > 15.0, "{compared}");
+
+    let tapes = numbers(&out.join("gradients.csv"), "tape_kib", true);
+    if let [_, _, chain, _] = tapes[..] {
+        // 300 states of ten poses and velocities, and 20 rows of two bodies' Jacobians each.
+        let least = 300.0 * 8.0 * f64::from(10 * 6 + 20 * 6) / 1024.0;
+        assert!(chain > least && chain < 16.0 * least, "{chain} KiB");
+    }
+    for row in rows(&out.join("goals.csv")) {
+        let (found, goal) = (row[1].parse::<f64>(), row[2].chars().skip(2).collect::<String>());
+        let goal: f64 = goal.parse().expect("a number after the sign");
+        let holds = match (found, row[2].chars().next()) {
+            (Err(_), _) => "not measured",
+            (Ok(found), Some('≤')) if found <= goal => "yes",
+            (Ok(found), Some('≥')) if found >= goal => "yes",
+            _ => "no",
+        };
+        assert_eq!(&row[3], holds, "{row:?}");
+    }
+}
+
 /// Rows of other engines come from files and go into table and page.
 #[test]
 fn other_engines_are_merged() {
     let folder = tempfile::tempdir().expect("the temporary folder is writable");
     let heading = "engine,scene,dt,steps,us_per_step,us_lower,us_upper,us_least,penetration,drift,\
-                   residual,factorisations,iterations,gradient,note\n";
-    let row = "other <1>,bounce,0.005,400,2.5,2.4,2.6,2.3,0.001,0,,,,7.5,by differences\n";
+                   residual,factorisations,iterations,gradient,gradient_us,note\n";
+    let row = "other <1>,bounce,0.005,400,2.5,2.4,2.6,2.3,0.001,0,,,,7.5,3e9,by differences\n\
+               mujoco 4,bounce,0.005,400,9e9,9e9,9e9,9e9,0.001,0,,,,2,4e9,\n";
     fs::write(folder.path().join("other.csv"), format!("{heading}{row}")).expect("writable");
     let output = bench(folder.path(), &["--quick", "--only", "race", "--peers", "other.csv"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -104,6 +138,14 @@ fn other_engines_are_merged() {
     let page = fs::read_to_string(out.join("bench.html")).expect("written");
     assert!(page.contains("other &lt;1>") && page.contains("by differences"));
     assert!(numbers(&out.join("race.csv"), "gradient", true).contains(&7.5));
+    let compared = numbers(&out.join("gradients.csv"), "us_value_and_gradient", false);
+    assert!(compared.contains(&3e9), "{compared:?}");
+    // A step that takes hours: whatever the machine, ours is faster.
+    let goals = rows(&out.join("goals.csv"));
+    for what in ["bounce: speed over MuJoCo", "bounce: value and gradient over those of MuJoCo"] {
+        let goal = goals.iter().find(|row| &row[0] == what).expect("a goal");
+        assert_eq!(&goal[3], "yes", "{goal:?}");
+    }
 
     fs::write(folder.path().join("bad.csv"), format!("{heading}other,bounce,soon\n")).expect("ok");
     let output = bench(folder.path(), &["--quick", "--only", "race", "--peers", "bad.csv"]);

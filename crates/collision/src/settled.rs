@@ -19,32 +19,24 @@ pub(crate) struct Settled {
 }
 
 impl Settled {
-    /// Follows a placement; the tree is built anew only if there are other members.
-    pub(crate) fn update(&mut self, world: &World, fixed: &[bool]) {
-        if self.is_current(world, fixed) {
-            return;
+    /// The members after a placement, in a tree.
+    pub(crate) fn renew(&mut self, world: &World, fixed: &[bool]) {
+        self.is_member.clear();
+        self.is_member.extend_from_slice(fixed);
+        let moving = world.moving().iter().map(|i| *i as usize);
+        moving.for_each(|i| self.is_member[i] = false);
+        for (is_member, bounds) in self.is_member.iter_mut().zip(world.bounds()) {
+            *is_member &= bounds.is_finite();
         }
         self.members.clear();
-        self.is_member.clear();
-        self.is_member.resize(world.len(), false);
-        self.members.extend(candidates(world, fixed));
+        self.members.extend((0..).zip(&self.is_member).filter(|(_, is)| **is).map(|(i, _)| i));
         if self.members.len() < FEW {
             self.members.clear();
+            self.is_member.fill(false);
         }
-        self.members.iter().for_each(|i| self.is_member[*i as usize] = true);
         let leaves: Vec<Aabb> =
             self.members.iter().map(|i| aabb(&world.bounds()[*i as usize], 0.0)).collect();
         self.tree = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
-    }
-
-    fn is_current(&self, world: &World, fixed: &[bool]) -> bool {
-        if self.is_member.len() != world.len() {
-            return false;
-        }
-        if self.members.is_empty() {
-            return candidates(world, fixed).nth(FEW - 1).is_none();
-        }
-        candidates(world, fixed).eq(self.members.iter().copied())
     }
 
     /// The bodies, ascending.
@@ -70,14 +62,6 @@ impl std::fmt::Debug for Settled {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Settled").field("members", &self.members).finish_non_exhaustive()
     }
-}
-
-/// Bodies that qualify, ascending.
-fn candidates(world: &World, fixed: &[bool]) -> impl Iterator<Item = u32> {
-    let stays = move |&i: &usize| fixed[i] && !world.moved()[i] && world.bounds()[i].is_finite();
-    (0..world.len())
-        .filter(stays)
-        .map(|i| u32::try_from(i).expect("bodies are numbered with 32 bits"))
 }
 
 fn aabb(bounds: &Bounds, by: f64) -> Aabb {

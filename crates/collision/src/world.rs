@@ -4,11 +4,13 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use crate::{Collider, bounds::Bounds, outline::Outline, pose::Frame};
+use crate::{Collider, bounds::Bounds, outline::Outline, pose::Frame, pose::Pose};
 
 /// Every outline of every body in the world frame, in flat arrays.
 #[derive(Debug, Default)]
 pub(crate) struct World {
+    colliders: Vec<Collider>,
+    poses: Vec<Pose>,
     bodies: Vec<Placement>,
     pieces: Vec<Piece>,
     /// World, as [`View`] hands them out.
@@ -19,14 +21,15 @@ pub(crate) struct World {
     local_normals: Vec<Vector2<f64>>,
     /// Around each body.
     bounds: Vec<Bounds>,
-    moved: Vec<bool>,
+    /// Bodies that are not where they were before the last placement, ascending.
+    moving: Vec<u32>,
+    /// Whether the last placement was of other colliders than the one before.
+    is_new: bool,
 }
 
-/// A body's collider, where it is, and what of the arrays is its.
+/// What of the arrays is a body's.
 #[derive(Debug)]
 struct Placement {
-    collider: Collider,
-    frame: Frame,
     pieces: Range<usize>,
     vertices: Range<usize>,
     normals: Range<usize>,
@@ -64,18 +67,24 @@ const ROUNDING: f64 = 1e-12;
 impl World {
     /// Places all bodies; their frames are finite.
     pub(crate) fn place(&mut self, colliders: &[Collider], frames: &[Frame]) {
-        let same = self.bodies.len() == colliders.len()
-            && self.bodies.iter().zip(colliders).all(|(body, other)| body.collider.is(other));
+        let same = self.colliders.len() == colliders.len()
+            && self.colliders.iter().zip(colliders).all(|(one, other)| one.is(other));
+        self.is_new = !same;
+        self.moving.clear();
         if !same {
-            self.lay_out(colliders, frames);
+            self.lay_out(colliders);
+            self.poses.clear();
+            self.poses.extend(frames.iter().map(Frame::pose));
         }
-        for (i, frame) in frames.iter().enumerate() {
-            let moves = !same || !self.bodies[i].frame.is_at(frame.pose());
-            self.moved[i] = moves;
-            if moves {
-                self.bodies[i].frame = *frame;
-                self.place_body(i);
+        for (i, (pose, frame)) in (0..).zip(self.poses.iter_mut().zip(frames)) {
+            if !same || !frame.is_at(pose) {
+                *pose = *frame.pose();
+                self.moving.push(i);
             }
+        }
+        for k in 0..self.moving.len() {
+            let body = self.moving[k] as usize;
+            self.place_body(body, &frames[body]);
         }
     }
 
@@ -84,9 +93,14 @@ impl World {
         self.bodies.len()
     }
 
-    /// Which bodies are not where they were before the last placement.
-    pub(crate) fn moved(&self) -> &[bool] {
-        &self.moved
+    /// The bodies that are not where they were before the last placement, ascending.
+    pub(crate) fn moving(&self) -> &[u32] {
+        &self.moving
+    }
+
+    /// Whether the last placement was of other colliders than the one before.
+    pub(crate) fn is_new(&self) -> bool {
+        self.is_new
     }
 
     /// A box around each body.
@@ -157,17 +171,17 @@ impl World {
     }
 
     /// Makes the arrays anew for other colliders.
-    fn lay_out(&mut self, colliders: &[Collider], frames: &[Frame]) {
+    fn lay_out(&mut self, colliders: &[Collider]) {
+        self.colliders.clear();
+        self.colliders.extend_from_slice(colliders);
         self.bodies.clear();
         self.pieces.clear();
         self.local_vertices.clear();
         self.local_normals.clear();
-        for (collider, frame) in colliders.iter().zip(frames) {
+        for collider in colliders {
             let first = (self.pieces.len(), self.local_vertices.len(), self.local_normals.len());
             collider.outlines().iter().for_each(|outline| self.add(outline));
             self.bodies.push(Placement {
-                collider: collider.clone(),
-                frame: *frame,
                 pieces: first.0..self.pieces.len(),
                 vertices: first.1..self.local_vertices.len(),
                 normals: first.2..self.local_normals.len(),
@@ -177,8 +191,6 @@ impl World {
         self.normals.clone_from(&self.local_normals);
         self.bounds.clear();
         self.bounds.resize(colliders.len(), Bounds::EMPTY);
-        self.moved.clear();
-        self.moved.resize(colliders.len(), true);
     }
 
     fn add(&mut self, outline: &Outline) {
@@ -196,8 +208,8 @@ impl World {
     }
 
     /// Vertices, normals and boxes of one body where its frame is.
-    fn place_body(&mut self, body: usize) {
-        let Placement { frame, pieces, vertices, normals, .. } = &self.bodies[body];
+    fn place_body(&mut self, body: usize, frame: &Frame) {
+        let Placement { pieces, vertices, normals } = &self.bodies[body];
         let local = &self.local_vertices[vertices.clone()];
         self.vertices[vertices.clone()]
             .iter_mut()

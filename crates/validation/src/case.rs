@@ -1,8 +1,6 @@
 //! A case: its parts, and how one is measured on a backend.
 
-use tangency_core::{SceneError, StepError};
-use tangency_diff::DiffError;
-use tangency_lcp::{LcpError, LcpSolver, RawSolver};
+use tangency_lcp::{LcpSolver, RawSolver};
 
 use crate::{Figure, Lab, Tally};
 
@@ -17,22 +15,7 @@ pub struct Backend {
 }
 
 /// Why a part ended early.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Stop {
-    /// A scene was refused.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-    /// A step was refused.
-    #[error(transparent)]
-    Step(#[from] StepError),
-    /// A derivative was refused.
-    #[error(transparent)]
-    Derivative(#[from] DiffError),
-    /// A problem was refused.
-    #[error(transparent)]
-    Problem(#[from] LcpError),
-}
+pub use tangency_bench::engine::Refusal as Stop;
 
 /// Some quantities of a case that are measured together.
 #[derive(Clone, Copy)]

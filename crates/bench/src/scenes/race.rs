@@ -9,6 +9,12 @@ use super::bodies::{block, disc, floor, hinge, material, rod};
 /// Time step of the scenes, s.
 const DT: f64 = 0.005;
 
+/// The four scenes of the race: a bouncing disc, ten boxes, ten rods, a pole on a cart.
+#[must_use]
+pub fn race_scenes() -> [SceneDef; 4] {
+    [race_bounce(), race_stack(10), race_chain(10), race_cartpole()]
+}
+
 /// A disc (0.1 m, 1 kg) 1 m above a floor flies at 1 m/s and bounces with e = 0.5, without friction.
 #[must_use]
 pub fn race_bounce() -> SceneDef {

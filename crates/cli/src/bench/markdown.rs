@@ -4,11 +4,13 @@ use std::fmt::Write as _;
 
 use tangency_bench::precision::Front;
 
+use super::digits::{digits, number, short, small};
+use super::goals::goals;
+use super::gradient_rows;
 use super::outcome::{ALL, HARD, Outcome};
-use super::page::digits;
 use super::provenance::Provenance;
 use super::row::Row;
-use super::tables::{exponents, lean, short};
+use super::tables::{batch, checks, exponents};
 use crate::grid::Grid;
 
 /// All tables that have rows.
@@ -18,11 +20,14 @@ pub(super) fn markdown(outcome: &Outcome, provenance: &Provenance) -> String {
         let _ = writeln!(text, "- {name}: {value}");
     }
     let tables = [
+        ("Goals", checks(&goals(outcome))),
         ("Race", race(&outcome.race)),
         ("Time against error", precision(outcome)),
         ("Growth", exponents(outcome)),
         ("Solvers alone", solvers(outcome)),
-        ("Only what a scene needs", lean(outcome)),
+        ("Only what a scene needs", checks(&outcome.lean)),
+        ("Gradients", gradient_rows::grid(outcome)),
+        ("Batches", batch(outcome)),
     ];
     for (title, grid) in tables {
         if grid.rows().len() > 1 {
@@ -45,9 +50,6 @@ fn race(rows: &[Row]) -> Grid {
         "factorisations",
         "gradient, × value",
     ]);
-    let number =
-        |value: Option<f64>, format: fn(f64) -> String| value.map_or_else(String::new, format);
-    let small = |x: f64| if x == 0.0 { "0".into() } else { format!("{x:.1e}") };
     for row in rows {
         let same = |other: &&Row| other.scene == row.scene && other.dt == row.dt;
         let own = rows.iter().filter(same).filter(|other| other.engine.starts_with("tangency"));

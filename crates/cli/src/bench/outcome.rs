@@ -2,19 +2,25 @@
 
 use std::fs;
 
-use tangency::{Scene, default_solver, load_scene};
-use tangency_bench::engine::Engine;
+use core_affinity::CoreId;
+use tangency::{Scene, SceneDef, default_solver, load_scene};
+use tangency_bench::batch::{self, Throughput, batched_scenes};
+use tangency_bench::check::Check;
+use tangency_bench::engine::{Engine, Refusal};
+use tangency_bench::gradients::{Study, all_over_one, study};
 use tangency_bench::growth::{Curve, families, grow};
-use tangency_bench::lean::{Check, checks};
-use tangency_bench::own::{Joints, Tangency};
+use tangency_bench::lean::checks;
+use tangency_bench::own::Tangency;
 use tangency_bench::paths::Paths;
 use tangency_bench::precision::{Case, Front, cases, sweep};
 use tangency_bench::race::{Entry, heats, race};
 use tangency_bench::recorded::{Score, compare, hard, problems, spread};
+use tangency_bench::scenes::race_scenes;
 
 use super::Part;
-use super::plan::{Plan, candidates, own, peers};
+use super::plan::{Plan, candidates, own, peers, pools};
 use super::row::Row;
+use super::weigh::{self, Weight};
 use crate::{Console, Failure};
 
 /// Everything that was measured.
@@ -26,6 +32,16 @@ pub(super) struct Outcome {
     pub(super) growth: Vec<(&'static str, Vec<Curve>)>,
     pub(super) solvers: Vec<SolverRow>,
     pub(super) lean: Vec<Check>,
+    pub(super) gradients: Vec<Study>,
+    /// That a gradient costs the same by one number and by many.
+    pub(super) all_over_one: Option<Check>,
+    pub(super) batch: Vec<Throughput>,
+    /// Memory of the tapes of the race's scenes, bytes, by scene.
+    pub(super) tapes: Vec<(String, f64)>,
+    /// Memory of a chain of [`MANY`] links in motion, bytes.
+    pub(super) large_scene: Option<f64>,
+    /// Our first engine.
+    pub(super) own: String,
     /// Names of the engines and their settings.
     pub(super) settings: Vec<(String, String)>,
 }
@@ -52,13 +68,18 @@ pub(super) struct SolverRow {
 
 impl Outcome {
     /// Measures the parts of a plan.
-    pub(super) fn measure(plan: &Plan, console: &Console) -> Result<Self, Failure> {
+    pub(super) fn measure(
+        plan: &Plan,
+        cores: &[CoreId],
+        console: &Console,
+    ) -> Result<Self, Failure> {
         let mut outcome = Self::default();
         let own = own();
         let others = peers(false);
         for engine in all(&own, &others) {
             outcome.settings.push((engine.name(), engine.settings()));
         }
+        outcome.own = own.first().map(Engine::name).unwrap_or_default();
         if plan.has(Part::Race) {
             outcome.race(plan, &own, console);
         }
@@ -74,10 +95,64 @@ impl Outcome {
         if plan.has(Part::Lean)
             && let Some(engine) = own.first()
         {
-            outcome.lean = checks(engine, &plan.patience)
-                .map_err(|refusal| Failure::Bench { part: "lean", source: refusal })?;
+            outcome.lean = checks(engine, &plan.patience).map_err(in_part("lean"))?;
+        }
+        if plan.has(Part::Gradients) {
+            outcome.gradients(plan, &own, console).map_err(in_part("gradients"))?;
+        }
+        if plan.has(Part::Batch) {
+            outcome.batch(plan, cores, console)?;
         }
         Ok(outcome)
+    }
+
+    fn gradients(
+        &mut self,
+        plan: &Plan,
+        own: &[Tangency],
+        console: &Console,
+    ) -> Result<(), Refusal> {
+        let progress = console.progress(own.len() + 1, "gradients");
+        for engine in own {
+            self.gradients.extend(study(engine, plan.differences)?);
+            progress.inc(1);
+        }
+        for def in race_scenes() {
+            let tape = weigh::in_own_process(Weight::Tape, &def.name);
+            self.tapes.extend(tape.map(|bytes| (def.name, bytes)));
+        }
+        if let Some(engine) = own.first() {
+            self.all_over_one = Some(all_over_one(engine, &plan.patience)?);
+        }
+        progress.finish_and_clear();
+        Ok(())
+    }
+
+    fn batch(&mut self, plan: &Plan, cores: &[CoreId], console: &Console) -> Result<(), Failure> {
+        let (pools, solver) = (pools(cores)?, default_solver().into());
+        let progress = console.progress(3 * plan.environments.len(), "batches");
+        for def in batched_scenes() {
+            for environments in plan.environments {
+                let rows = batch::measure(&def, &solver, *environments, &pools, &plan.patience);
+                self.batch.extend(rows.map_err(in_part("batch"))?);
+                progress.inc(1);
+            }
+        }
+        progress.finish_and_clear();
+        Ok(())
+    }
+
+    /// Memory of a scene's tape, bytes.
+    pub(super) fn tape(&self, scene: &str) -> Option<f64> {
+        self.tapes.iter().find(|(name, _)| name == scene).map(|(_, bytes)| *bytes)
+    }
+
+    /// A solver's time over that of the native one, which comes first, at the same tolerance.
+    pub(super) fn over_native(&self, row: &SolverRow) -> Option<f64> {
+        let same =
+            |other: &&SolverRow| other.scene == row.scene && other.tolerance == row.tolerance;
+        let native = self.solvers.iter().find(same)?;
+        Some(row.score.time.least / native.score.time.least)
     }
 
     /// Other processes' rows, each below those of its scene.
@@ -95,8 +170,7 @@ impl Outcome {
         let progress = console.progress(heats.len(), "race");
         let mut entries: Vec<Entry> = Vec::new();
         for heat in &heats {
-            let jointed = !heat.def.joints.is_empty();
-            let engines = fitting(own, &others, jointed);
+            let engines = fitting(own, &others, &heat.def);
             entries.extend(race(heat, &engines, &plan.patience, &entries));
             progress.inc(1);
         }
@@ -117,7 +191,7 @@ impl Outcome {
         let cases = cases(plan.base);
         let progress = console.progress(cases.len(), "time against error");
         for case in cases {
-            let engines = fitting(own, &others, !case.def.joints.is_empty());
+            let engines = fitting(own, &others, &case.def);
             let fronts = sweep(&case, &engines, plan.halvings, &plan.sweep);
             self.precision.push((case, fronts));
             progress.inc(1);
@@ -130,7 +204,8 @@ impl Outcome {
         let families = families(plan.longest_chain, plan.most_rows);
         let progress = console.progress(families.len(), "growth");
         for family in &families {
-            let engines = fitting(own, &others, family.name == "chain");
+            let Some((_, first)) = family.members.first() else { continue };
+            let engines = fitting(own, &others, first);
             // phyz has points in the race; its steps among many contacts cannot be cut short.
             let engines =
                 engines.into_iter().filter(|e| family.name == "chain" || e.name() != "phyz");
@@ -139,6 +214,9 @@ impl Outcome {
             progress.inc(1);
         }
         progress.finish_and_clear();
+        if plan.longest_chain >= MANY {
+            self.large_scene = weigh::in_own_process(Weight::World, &format!("chain of {MANY}"));
+        }
     }
 
     fn solvers(&mut self, plan: &Plan, console: &Console) -> Result<(), Failure> {
@@ -184,19 +262,25 @@ pub(super) const ALL: &str = "all scenes";
 /// Those of them whose modes are not found at the free velocities.
 pub(super) const HARD: &str = "all that need the interior point";
 
+/// Links of the chain whose memory is told.
+pub(super) const MANY: usize = 10_000;
+
+fn in_part(part: &'static str) -> impl Fn(Refusal) -> Failure {
+    move |source| Failure::Bench { part, source }
+}
+
 fn all<'a>(own: &'a [Tangency], others: &'a [Box<dyn Engine>]) -> Vec<&'a dyn Engine> {
     let own = own.iter().map(|engine| engine as &dyn Engine);
     own.chain(others.iter().map(|engine| &**engine)).collect()
 }
 
-/// Projection of joints only where there are joints.
+/// Ours that make a difference in a scene, and all others.
 fn fitting<'a>(
     own: &'a [Tangency],
     others: &'a [Box<dyn Engine>],
-    jointed: bool,
+    def: &SceneDef,
 ) -> Vec<&'a dyn Engine> {
-    let own = own.iter().filter(|engine| jointed || engine.joints == Joints::AsDefined);
-    let own = own.map(|engine| engine as &dyn Engine);
+    let own = own.iter().filter(|engine| engine.fits(def)).map(|engine| engine as &dyn Engine);
     own.chain(others.iter().map(|engine| &**engine)).collect()
 }
 

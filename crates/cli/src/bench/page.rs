@@ -2,12 +2,15 @@
 
 use std::fmt::Write as _;
 
+use super::digits::{digits, grouped, number, short, small};
 use super::figures::{Section, Shown};
+use super::goals::goals;
+use super::gradient_rows;
 use super::outcome::Outcome;
 use super::plan::Plan;
 use super::provenance::Provenance;
 use super::row::Row;
-use super::tables::{exponents, lean, paths, short, solvers};
+use super::tables::{batch, checks, exponents, paths, solvers};
 use crate::grid::Grid;
 use crate::replay::escape_html;
 
@@ -46,7 +49,10 @@ pub(super) fn page(
         ("@EXPONENTS@", table(&exponents(outcome))),
         ("@SOLVERS@", charts(figures, Section::Solvers)),
         ("@SCORES@", table(&solvers(outcome))),
-        ("@LEAN@", table(&lean(outcome))),
+        ("@LEAN@", table(&checks(&outcome.lean))),
+        ("@GOALS@", table(&checks(&goals(outcome)))),
+        ("@GRADIENTS@", table(&gradient_rows::grid(outcome))),
+        ("@BATCH@", table(&batch(outcome))),
     ];
     fill.iter().fold(TEMPLATE.to_owned(), |page, (mark, text)| page.replace(mark, text))
 }
@@ -117,9 +123,6 @@ fn race(rows: &[Row]) -> String {
 }
 
 fn line(row: &Row, own: Option<f64>) -> String {
-    let number =
-        |value: Option<f64>, format: fn(f64) -> String| value.map_or_else(String::new, format);
-    let small = |value| number(value, |x| if x == 0.0 { "0".into() } else { format!("{x:.1e}") });
     let spread = match (row.us_lower, row.us_upper) {
         (Some(lower), Some(upper)) => format!("{} – {}", digits(lower), digits(upper)),
         _ => String::new(),
@@ -131,9 +134,9 @@ fn line(row: &Row, own: Option<f64>) -> String {
         spread,
         number(row.us_least, |us| grouped(1e6 / us)),
         number(ratio, |ratio| format!("{ratio:.2}")),
-        small(row.penetration),
-        small(row.drift),
-        small(row.residual),
+        number(row.penetration, small),
+        number(row.drift, small),
+        number(row.residual, small),
         number(row.factorisations, |x| format!("{x:.2}")),
         row.gradient.map_or_else(|| absent(&row.note).into(), |multiple| format!("{multiple:.1}")),
     ];
@@ -156,25 +159,6 @@ fn absent(note: &str) -> &'static str {
         "gradient refused" => "refused",
         _ => "",
     }
-}
-
-/// Three significant digits.
-pub(super) fn digits(number: f64) -> String {
-    let decimals = if number < 10.0 { 2 } else { usize::from(number < 100.0) };
-    if number < 1.0 { format!("{number:.3}") } else { format!("{number:.decimals$}") }
-}
-
-/// A whole number with spaces between thousands.
-fn grouped(number: f64) -> String {
-    let plain = format!("{number:.0}");
-    let mut text = String::new();
-    for (k, digit) in plain.chars().enumerate() {
-        if k > 0 && (plain.len() - k).is_multiple_of(3) {
-            text.push('\u{202f}');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// Engines that ended a sweep early, and why.

@@ -1,8 +1,11 @@
 //! What is measured, and how long.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
+use core_affinity::CoreId;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use tangency::{BACKENDS, backend, solvers_at};
 use tangency_bench::engine::Engine;
 use tangency_bench::own::{Joints, Tangency};
@@ -28,6 +31,10 @@ pub(super) struct Plan {
     pub(super) halvings: i32,
     /// Base of the pyramid in the sweep.
     pub(super) base: usize,
+    /// Most differences that a gradient is compared with.
+    pub(super) differences: usize,
+    /// Sizes of batches.
+    pub(super) environments: &'static [usize],
     /// Steps of every scene whose problems are recorded, and most problems that are kept of it.
     pub(super) recorded: (usize, usize),
 }
@@ -52,6 +59,8 @@ impl Plan {
                 most_rows: 10,
                 halvings: 5,
                 base: 4,
+                differences: 8,
+                environments: &[1, 64],
                 recorded: (30, 5),
             }
         } else {
@@ -66,6 +75,8 @@ impl Plan {
                 most_rows: 99,
                 halvings: 12,
                 base: 10,
+                differences: 60,
+                environments: &[1, 64, 1024],
                 recorded: (150, 40),
             }
         }
@@ -105,6 +116,23 @@ pub(super) fn peers(sweep: bool) -> Vec<Box<dyn Engine>> {
 #[cfg(not(feature = "peers"))]
 pub(super) fn peers(_sweep: bool) -> Vec<Box<dyn Engine>> {
     Vec::new()
+}
+
+/// A pool of one thread, and one with a thread on each core.
+pub(super) fn pools(cores: &[CoreId]) -> Result<Vec<ThreadPool>, ThreadPoolBuildError> {
+    let cores = Arc::<[CoreId]>::from(cores);
+    let pool = |threads: usize| {
+        let cores = cores.clone();
+        let bind = move |thread: usize| {
+            if let Some(core) = cores.get(thread) {
+                core_affinity::set_for_current(*core);
+            }
+        };
+        ThreadPoolBuilder::new().num_threads(threads).start_handler(bind).build()
+    };
+    let mut sizes = vec![1, cores.len().max(1)];
+    sizes.dedup();
+    sizes.into_iter().map(pool).collect()
 }
 
 /// Tolerances at which solvers are compared; the last is the default.

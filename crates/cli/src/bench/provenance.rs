@@ -4,11 +4,15 @@ use std::fs;
 use std::process::Command;
 use std::time::SystemTime;
 
+use core_affinity::CoreId;
+
 /// What a reader needs to know to repeat a measurement.
 #[derive(Clone, Debug)]
 pub(super) struct Provenance {
     /// Names and values.
     pub(super) facts: Vec<(&'static str, String)>,
+    /// All cores that this process may use.
+    pub(super) cores: Vec<CoreId>,
 }
 
 impl Provenance {
@@ -16,7 +20,7 @@ impl Provenance {
     pub(super) fn of_this_run() -> Self {
         let cores = core_affinity::get_core_ids().unwrap_or_default();
         let pinned = cores.last().is_some_and(|core| core_affinity::set_for_current(*core));
-        let thread = if pinned { "one, pinned" } else { "one, not pinned" };
+        let thread = if pinned { "one, pinned; batches on more" } else { "one, not pinned" };
         let facts = vec![
             ("date", humantime::format_rfc3339_seconds(SystemTime::now()).to_string()),
             ("command", command()),
@@ -29,7 +33,7 @@ impl Provenance {
             ("system", format!("{} {}", std::env::consts::OS, std::env::consts::ARCH)),
             ("load before", load().unwrap_or_else(|| "unknown".into())),
         ];
-        Self { facts }
+        Self { facts, cores }
     }
 }
 

@@ -34,6 +34,9 @@ pub(super) struct Row {
     pub(super) iterations: Option<f64>,
     /// Value and gradient over value.
     pub(super) gradient: Option<f64>,
+    /// Least time of value and gradient of 200 steps, µs.
+    #[serde(default)]
+    pub(super) gradient_us: Option<f64>,
     /// What a reader must know.
     pub(super) note: String,
 }
@@ -47,7 +50,7 @@ impl From<&Entry> for Row {
             Err(refusal) => return Self { note: refusal.to_string(), ..blank },
         };
         let (gradient, note) = match done.gradient {
-            Gradient::Multiple(multiple) => (Some(multiple), ""),
+            Gradient::Known(cost) => (Some(cost), ""),
             Gradient::None => (None, "no gradient"),
             Gradient::Refused => (None, "gradient refused"),
             Gradient::NotAsked => (None, ""),
@@ -67,11 +70,22 @@ impl From<&Entry> for Row {
             residual: done.paths.map(|paths| paths.residual),
             factorisations: per_step(|paths| paths.factorisations),
             iterations: per_step(|paths| paths.iterations),
-            gradient,
+            gradient: gradient.map(|cost| cost.multiple()),
+            gradient_us: gradient.map(|cost| 1e6 * cost.both.least),
             note: note.into(),
             ..blank
         }
     }
+}
+
+/// Writes rows with their heading.
+pub(super) fn write_all(rows: &[Row], file: &Path) -> Result<(), Failure> {
+    let write = || {
+        let mut writer = csv::Writer::from_path(file)?;
+        rows.iter().try_for_each(|row| writer.serialize(row))?;
+        writer.flush().map_err(csv::Error::from)
+    };
+    write().map_err(|error| Failure::Write { file: file.to_owned(), source: error.into() })
 }
 
 /// The rows of some files.

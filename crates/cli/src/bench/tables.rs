@@ -2,70 +2,34 @@
 
 use std::path::Path;
 
-use tangency_bench::growth::Size;
+use tangency_bench::check::Check;
+use tangency_bench::growth::{Curve, Size};
 use tangency_bench::paths::METHODS;
+use tangency_bench::precision::{Case, Front, Point};
 use tangency_bench::timing::Quartiles;
 
-use super::outcome::Outcome;
-use super::row::Row;
+use super::digits::{cell, digits, number, short, small};
+use super::goals::goals;
+use super::gradient_rows;
+use super::outcome::{Outcome, SolverRow};
+use super::row;
 use crate::Failure;
 use crate::grid::Grid;
 
-/// Writes all tables that have rows.
+/// Writes all tables.
 pub(super) fn save_all(outcome: &Outcome, folder: &Path) -> Result<(), Failure> {
-    race(&outcome.race).write_csv(&folder.join("race.csv"))?;
-    paths(outcome).write_csv(&folder.join("paths.csv"))?;
-    precision(outcome).write_csv(&folder.join("precision.csv"))?;
-    growth(outcome).write_csv(&folder.join("growth.csv"))?;
-    solvers(outcome).write_csv(&folder.join("solvers.csv"))?;
-    lean(outcome).write_csv(&folder.join("lean.csv"))
-}
-
-/// A number as CSV has it; empty where there is none.
-fn cell<T: ToString>(number: Option<T>) -> String {
-    number.map_or_else(String::new, |number| number.to_string())
-}
-
-fn quartiles(time: &Quartiles, unit: f64) -> [String; 4] {
-    [time.median, time.lower, time.upper, time.least].map(|time| (time * unit).to_string())
-}
-
-fn race(rows: &[Row]) -> Grid {
-    let mut grid = Grid::new([
-        "engine",
-        "scene",
-        "dt",
-        "steps",
-        "us_per_step",
-        "us_lower",
-        "us_upper",
-        "us_least",
-        "penetration",
-        "drift",
-        "residual",
-        "factorisations",
-        "iterations",
-        "gradient",
-        "note",
-    ]);
-    for row in rows {
-        let numbers = [
-            row.us_per_step,
-            row.us_lower,
-            row.us_upper,
-            row.us_least,
-            row.penetration,
-            row.drift,
-            row.residual,
-            row.factorisations,
-            row.iterations,
-            row.gradient,
-        ];
-        let (dt, steps) = (row.dt.to_string(), cell(row.steps));
-        let start = [row.engine.clone(), row.scene.clone(), dt, steps];
-        grid.row(start.into_iter().chain(numbers.map(cell)).chain([row.note.clone()]));
-    }
-    grid
+    row::write_all(&outcome.race, &folder.join("race.csv"))?;
+    let grids = [
+        ("goals", checks(&goals(outcome))),
+        ("paths", paths(outcome)),
+        ("precision", precision(outcome)),
+        ("growth", growth(outcome)),
+        ("solvers", solvers(outcome)),
+        ("lean", checks(&outcome.lean)),
+        ("gradients", gradient_rows::grid(outcome)),
+        ("batch", batch(outcome)),
+    ];
+    grids.iter().try_for_each(|(stem, grid)| grid.write_csv(&folder.join(format!("{stem}.csv"))))
 }
 
 /// Paths in numbers per step, the methods in problems per step.
@@ -86,94 +50,62 @@ pub(super) fn paths(outcome: &Outcome) -> Grid {
     grid
 }
 
-/// Three digits at most after the point, without zeros at the end.
-pub(super) fn short(number: f64) -> String {
-    let text = format!("{number:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+fn precision(outcome: &Outcome) -> Grid {
+    let points = outcome.precision.iter().flat_map(|(case, fronts)| {
+        fronts.iter().flat_map(move |front| front.points.iter().map(move |p| (case, front, p)))
+    });
+    Grid::of::<(&Case, &Front, &Point)>(
+        points,
+        &[
+            ("case", |(case, ..)| case.id.into()),
+            ("title", |(case, ..)| case.title.into()),
+            ("engine", |(_, front, _)| front.engine.clone()),
+            ("dt", |(.., p)| p.dt.to_string()),
+            ("steps", |(.., p)| p.steps.to_string()),
+            ("seconds_per_second", |(.., p)| p.time.median.to_string()),
+            ("lower", |(.., p)| p.time.lower.to_string()),
+            ("upper", |(.., p)| p.time.upper.to_string()),
+            ("least", |(.., p)| p.time.least.to_string()),
+            ("with_gradient", |(.., p)| cell(p.with_gradient.map(|time| time.median))),
+            ("position", |(.., p)| p.error.position.to_string()),
+            ("angle", |(.., p)| p.error.angle.to_string()),
+            ("velocity", |(.., p)| p.error.velocity.to_string()),
+            ("energy", |(.., p)| p.error.energy.to_string()),
+            ("penetration", |(.., p)| p.error.penetration.to_string()),
+            ("drift", |(.., p)| p.error.drift.to_string()),
+            ("residual", |(.., p)| cell(p.paths.map(|paths| paths.residual))),
+            ("factorisations", |(.., p)| cell(p.paths.map(|it| it.per_step(it.factorisations)))),
+            ("iterations", |(.., p)| cell(p.paths.map(|it| it.per_step(it.iterations)))),
+        ],
+    )
 }
 
-fn precision(outcome: &Outcome) -> Grid {
-    let mut grid = Grid::new([
-        "case",
-        "title",
-        "engine",
-        "dt",
-        "steps",
-        "seconds_per_second",
-        "lower",
-        "upper",
-        "least",
-        "with_gradient",
-        "position",
-        "angle",
-        "velocity",
-        "energy",
-        "penetration",
-        "drift",
-        "residual",
-        "factorisations",
-        "iterations",
-    ]);
-    for (case, fronts) in &outcome.precision {
-        for front in fronts {
-            for point in &front.points {
-                let error = &point.error;
-                let errors = [
-                    error.position,
-                    error.angle,
-                    error.velocity,
-                    error.energy,
-                    error.penetration,
-                    error.drift,
-                ];
-                let start = [case.id.to_owned(), case.title.to_owned(), front.engine.clone()];
-                let gradient = point.with_gradient.map(|time| time.median);
-                let counts = [
-                    point.paths.map(|paths| paths.residual),
-                    point.paths.map(|paths| paths.per_step(paths.factorisations)),
-                    point.paths.map(|paths| paths.per_step(paths.iterations)),
-                ];
-                grid.row(
-                    start
-                        .into_iter()
-                        .chain([point.dt.to_string(), point.steps.to_string()])
-                        .chain(quartiles(&point.time, 1.0))
-                        .chain([cell(gradient)])
-                        .chain(errors.map(|error| error.to_string()))
-                        .chain(counts.map(cell)),
-                );
-            }
-        }
-    }
-    grid
+fn curves(outcome: &Outcome) -> impl Iterator<Item = (&'static str, &Curve)> {
+    let families = outcome.growth.iter();
+    families.flat_map(|(family, curves)| curves.iter().map(move |curve| (*family, curve)))
 }
 
 fn growth(outcome: &Outcome) -> Grid {
-    let mut grid = Grid::new([
-        "family",
-        "engine",
-        "bodies",
-        "steps",
-        "us_per_step",
-        "us_lower",
-        "us_upper",
-        "us_least",
-        "note",
-    ]);
-    for (family, curves) in &outcome.growth {
-        for curve in curves {
-            for Size { bodies, steps, step } in &curve.sizes {
-                let start = [(*family).to_owned(), curve.engine.clone()];
-                let (times, note) = match step {
-                    Ok(time) => (quartiles(time, 1e6), String::new()),
-                    Err(left) => (Default::default(), left.to_string()),
-                };
-                let size = [bodies.to_string(), steps.to_string()];
-                grid.row(start.into_iter().chain(size).chain(times).chain([note]));
-            }
-        }
+    fn us(size: &Size, part: fn(&Quartiles) -> f64) -> String {
+        cell(size.step.as_ref().ok().map(|time| 1e6 * part(time)))
     }
-    grid
+    let sizes = curves(outcome).flat_map(|(family, curve)| {
+        curve.sizes.iter().map(move |size| (family, &*curve.engine, size))
+    });
+    Grid::of::<(&str, &str, &Size)>(
+        sizes,
+        &[
+            ("family", |(family, ..)| (*family).into()),
+            ("engine", |(_, engine, _)| (*engine).into()),
+            ("bodies", |(.., size)| size.bodies.to_string()),
+            ("steps", |(.., size)| size.steps.to_string()),
+            ("us_per_step", |(.., size)| us(size, |time| time.median)),
+            ("us_lower", |(.., size)| us(size, |time| time.lower)),
+            ("us_upper", |(.., size)| us(size, |time| time.upper)),
+            ("us_least", |(.., size)| us(size, |time| time.least)),
+            ("note", |(.., size)| cell(size.step.as_ref().err())),
+        ],
+    )
 }
 
 /// Bodies from which on exponents are fitted.
@@ -181,94 +113,111 @@ pub(super) const LARGE: usize = 100;
 
 /// The exponents of the growth curves.
 pub(super) fn exponents(outcome: &Outcome) -> Grid {
-    let mut grid =
-        Grid::new(["family", "engine", "largest size", "µs per step there", "exponent", "note"]);
-    for (family, curves) in &outcome.growth {
-        for curve in curves {
-            let mut done = curve.sizes.iter().filter_map(|size| {
-                size.step.as_ref().ok().map(|step| (size.bodies, 1e6 * step.least))
-            });
-            let largest = done.next_back();
-            let exponent = curve.exponent(LARGE).map(|p| format!("{p:.2}"));
-            let left = curve.sizes.iter().find_map(|size| size.step.as_ref().err());
-            grid.row([
-                (*family).to_owned(),
-                curve.engine.clone(),
-                cell(largest.map(|(bodies, _)| bodies)),
-                cell(largest.map(|(_, us)| format!("{us:.1}"))),
-                exponent.unwrap_or_default(),
-                cell(left),
-            ]);
-        }
+    fn largest(curve: &Curve) -> Option<(usize, f64)> {
+        let timed = |size: &Size| size.step.as_ref().ok().map(|step| (size.bodies, step.least));
+        curve.sizes.iter().filter_map(timed).next_back()
     }
-    grid
+    fn microseconds(curve: &Curve) -> Option<f64> {
+        largest(curve).map(|(_, step)| 1e6 * step)
+    }
+    Grid::of::<(&str, &Curve)>(
+        curves(outcome),
+        &[
+            ("family", |(family, _)| (*family).into()),
+            ("engine", |(_, curve)| curve.engine.clone()),
+            ("largest size", |(_, curve)| cell(largest(curve).map(|(bodies, _)| bodies))),
+            ("µs per step there", |(_, it)| number(microseconds(it), |us| format!("{us:.1}"))),
+            ("exponent", |(_, curve)| number(curve.exponent(LARGE), |p| format!("{p:.2}"))),
+            ("note", |(_, it)| cell(it.sizes.iter().find_map(|size| size.step.as_ref().err()))),
+        ],
+    )
 }
 
 pub(super) fn solvers(outcome: &Outcome) -> Grid {
-    let mut grid = Grid::new([
-        "scene",
-        "problems",
-        "rows",
-        "solver",
-        "tolerance",
-        "us_per_problem",
-        "us_lower",
-        "us_upper",
-        "us_least",
-        "over_native",
-        "residual",
-        "iterations",
-        "most_iterations",
-        "factorisations",
-        "refused",
-    ]);
-    for row in &outcome.solvers {
-        let score = &row.score;
-        let start = [
-            row.scene.clone(),
-            row.problems.to_string(),
-            short(row.rows),
-            row.solver.to_owned(),
-            format!("{:e}", row.tolerance),
-        ];
-        let us = quartiles(&score.time, 1e6).map(|us| us.parse().map_or(us, short));
-        // At the same tolerance; the native solver comes first.
-        let native = outcome
-            .solvers
-            .iter()
-            .find(|other| other.scene == row.scene && other.tolerance == row.tolerance);
-        let ratio = native.map(|native| short(score.time.least / native.score.time.least));
-        let end = [
-            ratio.unwrap_or_default(),
-            format!("{:.1e}", score.residual),
-            short(score.iterations),
-            score.most_iterations.to_string(),
-            short(score.factorisations),
-            score.refused.to_string(),
-        ];
-        grid.row(start.into_iter().chain(us).chain(end));
-    }
-    grid
+    let rows = outcome.solvers.iter().map(|row| (row, outcome.over_native(row)));
+    Grid::of::<(&SolverRow, Option<f64>)>(
+        rows,
+        &[
+            ("scene", |(row, _)| row.scene.clone()),
+            ("problems", |(row, _)| row.problems.to_string()),
+            ("rows", |(row, _)| short(row.rows)),
+            ("solver", |(row, _)| row.solver.into()),
+            ("tolerance", |(row, _)| format!("{:e}", row.tolerance)),
+            ("us_per_problem", |(row, _)| short(1e6 * row.score.time.median)),
+            ("us_lower", |(row, _)| short(1e6 * row.score.time.lower)),
+            ("us_upper", |(row, _)| short(1e6 * row.score.time.upper)),
+            ("us_least", |(row, _)| short(1e6 * row.score.time.least)),
+            ("over_native", |(_, ratio)| number(*ratio, short)),
+            ("residual", |(row, _)| format!("{:.1e}", row.score.residual)),
+            ("iterations", |(row, _)| short(row.score.iterations)),
+            ("most_iterations", |(row, _)| row.score.most_iterations.to_string()),
+            ("factorisations", |(row, _)| short(row.score.factorisations)),
+            ("refused", |(row, _)| row.score.refused.to_string()),
+        ],
+    )
 }
 
-pub(super) fn lean(outcome: &Outcome) -> Grid {
-    let mut grid = Grid::new(["what", "found", "goal", "holds"]);
-    for check in &outcome.lean {
-        let relation = if check.count { "=" } else { "≤" };
-        let goal = format!("{relation} {}", check.goal);
-        let holds = if check.holds() { "yes" } else { "no" };
-        grid.row([check.what.to_owned(), short(check.found), goal, holds.to_owned()]);
+/// Numbers beside their goals.
+pub(super) fn checks(checks: &[Check]) -> Grid {
+    fn figure(found: f64) -> String {
+        if found.abs() < 1e-3 { small(found) } else { short(found) }
     }
-    grid
+    fn goal(check: &Check) -> String {
+        let (sign, goal) = (check.relation.sign(), check.goal);
+        if goal != 0.0 && goal < 1e-3 {
+            format!("{sign} {goal:e}")
+        } else {
+            format!("{sign} {goal}")
+        }
+    }
+    Grid::of::<&Check>(
+        checks,
+        &[
+            ("what", |check| check.what.clone()),
+            ("found", |check| number(check.found, figure)),
+            ("goal", |check| goal(check)),
+            ("holds", |check| match check.holds() {
+                Some(true) => "yes".into(),
+                Some(false) => "no".into(),
+                None => "not measured".into(),
+            }),
+        ],
+    )
+}
+
+pub(super) fn batch(outcome: &Outcome) -> Grid {
+    Grid::of(
+        &outcome.batch,
+        &[
+            ("scene", |row| row.scene.clone()),
+            ("environments", |row| row.environments.to_string()),
+            ("threads", |row| row.threads.to_string()),
+            ("us_per_environment_step", |row| digits(1e6 * row.step.least)),
+            ("steps_per_second", |row| format!("{:.0}", 1.0 / row.step.least)),
+            ("efficiency", |row| short(row.efficiency)),
+        ],
+    )
+}
+
+/// For the terminal: the goals that this run says something of.
+pub(super) fn judged(outcome: &Outcome) -> Grid {
+    let mut found = goals(outcome);
+    found.retain(|check| check.found.is_some());
+    checks(&found)
 }
 
 /// For the terminal: times per step of the race.
 pub(super) fn summary(outcome: &Outcome) -> Grid {
-    let mut grid = Grid::new(["scene", "dt", "engine", "µs per step, least", "gradient"]);
-    for row in &outcome.race {
-        let time = row.us_least.map_or_else(|| row.note.clone(), |us| format!("{us:.3}"));
-        let gradient = cell(row.gradient.map(|multiple| format!("{multiple:.1} ×")));
-        grid.row([row.scene.clone(), short(row.dt), row.engine.clone(), time, gradient]);
-    }
-    grid
+    Grid::of(
+        &outcome.race,
+        &[
+            ("scene", |row| row.scene.clone()),
+            ("dt", |row| short(row.dt)),
+            ("engine", |row| row.engine.clone()),
+            ("µs per step, least", |row| {
+                row.us_least.map_or_else(|| row.note.clone(), |us| format!("{us:.3}"))
+            }),
+            ("gradient", |row| number(row.gradient, |multiple| format!("{multiple:.1} ×"))),
+        ],
+    )
 }

@@ -1,18 +1,23 @@
 //! On which piece of its law every row of a run lies.
 
-use tangency::lcp::Mode;
-use tangency::{Contact, ContactId, IslandRecord, Rollout, RowSource};
+use tangency_core::lcp::Mode;
+use tangency_core::{Contact, ContactId, IslandRecord, Rollout, RowSource};
 
 /// A row, named so that it is the same row in another run: contacts by their features.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Row {
+pub enum Row {
+    /// Of a joint.
     Joint(RowSource),
+    /// Of a contact, along its normal.
     Normal(ContactId),
+    /// Of a contact, along its tangent.
     Tangent(ContactId),
 }
 
-/// Rows that are not open, with their modes, of every problem of every step.
-pub(super) fn signature(tape: &Rollout) -> Vec<(usize, bool, Row, Mode)> {
+/// Rows that are not open, with their modes, of every problem of every step, and whether it is one after
+/// the move. Runs with the same signature are on the same side of every switch.
+#[must_use]
+pub fn signature(tape: &Rollout) -> Vec<(usize, bool, Row, Mode)> {
     let mut all = Vec::new();
     for (k, record) in tape.records.iter().enumerate() {
         for island in &record.islands {
