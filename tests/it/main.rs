@@ -28,6 +28,7 @@ mod refusals;
 mod regressions;
 mod springs;
 mod stabilisation;
+mod step_jacobians;
 mod transpose;
 mod validation;
 mod walks;
