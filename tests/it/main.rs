@@ -16,6 +16,7 @@ mod conservation;
 mod determinism;
 mod forces;
 mod fuzzed;
+mod gauss_newton;
 mod giving_way;
 mod gradients;
 mod joints;
