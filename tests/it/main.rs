@@ -22,6 +22,7 @@ mod gradients;
 mod joints;
 mod modelling;
 mod motors;
+mod planning;
 mod random_scenes;
 mod reach;
 mod records;

@@ -63,7 +63,17 @@ impl Planner {
         let motion = Motion::first(dynamics, cost, initial, controls)?;
         let regularisation = Regularisation::new(self);
         let history = vec![motion.cost];
-        Search { planner: self, dynamics, cost, limits, motion, regularisation, history }.run()
+        Search {
+            planner: self,
+            dynamics,
+            cost,
+            limits,
+            motion,
+            regularisation,
+            failed: false,
+            history,
+        }
+        .run()
     }
 
     fn check(&self) -> Result<(), PlanError> {
@@ -99,6 +109,8 @@ struct Search<'a, D: Dynamics> {
     limits: &'a ControlLimits,
     motion: Motion<D>,
     regularisation: Regularisation,
+    /// Whether a step from this motion has failed.
+    failed: bool,
     history: Vec<f64>,
 }
 
@@ -109,15 +121,16 @@ impl<D: Dynamics> Search<'_, D> {
         for iteration in 0..self.planner.max_iterations {
             let least = self.regularisation.lambda();
             let Some(policy) = self.policy(&expanded) else {
-                let iterations = iteration + 1;
-                let plan = Box::new(self.into_plan(best, iterations, None));
-                return Err(PlanError::Stuck { iterations, promised, plan });
+                return Err(self.stuck(best, iteration, promised));
             };
             promised = policy.promise(1.0);
             if promised <= self.small() {
                 let needed = self.regularisation.lambda() > least;
                 if needed || least == 0.0 {
                     return Ok(self.into_plan(Some(policy), iteration, Some(Ending::Optimal)));
+                }
+                if self.failed {
+                    return Err(self.stuck(Some(policy), iteration, promised));
                 }
                 // It may be the addition that keeps the promise small.
                 self.regularisation.lower();
@@ -134,18 +147,19 @@ impl<D: Dynamics> Search<'_, D> {
                     }
                     expanded = self.motion.expand(self.dynamics, self.cost)?;
                 }
-                None if self.regularisation.raise() => {}
-                None => {
-                    let iterations = iteration + 1;
-                    let plan = Box::new(self.into_plan(Some(policy), iterations, None));
-                    return Err(PlanError::Stuck { iterations, promised, plan });
-                }
+                None if self.regularisation.raise() => self.failed = true,
+                None => return Err(self.stuck(Some(policy), iteration + 1, promised)),
             }
             best = Some(policy);
         }
         let iterations = self.planner.max_iterations;
         let plan = Box::new(self.into_plan(best, iterations, None));
         Err(PlanError::Iterations { iterations, promised, plan })
+    }
+
+    fn stuck(self, policy: Option<Policy>, iterations: usize, promised: f64) -> PlanError {
+        let plan = Box::new(self.into_plan(policy, iterations, None));
+        PlanError::Stuck { iterations, promised, plan }
     }
 
     /// A decrease that is not worth a step.
@@ -185,6 +199,7 @@ impl<D: Dynamics> Search<'_, D> {
 
     fn accept(&mut self, motion: Motion<D>) {
         self.motion = motion;
+        self.failed = false;
         self.history.push(self.motion.cost);
         self.regularisation.lower();
     }
