@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (k, x) in plan.states.iter().enumerate().step_by(10) {
         let torque = plan.controls.get(k).map_or(0.0, |u| u[0]);
         let (turn, time) = (x[angle] + FRAC_PI_2, scene.dt() * k as f64);
-        println!("{time:7.2} {torque:6.3} {turn:8.4} {:8.4} {}", x[rate], picture(turn));
+        println!("{time:7.2} {torque:6.3} {turn:8.4} {:8.4} |{}|", x[rate], picture(turn));
     }
     let end = &plan.states[STEPS];
     let (off, speed) = (end[angle] - FRAC_PI_2, end[rate]);
@@ -46,6 +46,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// A dot where the rod points, from −π to π.
 fn picture(turn: f64) -> String {
-    let place = 30.0 * (1.0 + turn / PI);
-    format!("|{:>1$}", "o", place.clamp(1.0, 61.0) as usize)
+    let place = 30.0 * turn / PI;
+    let dot = |k: i32| if (f64::from(k) - place).abs() <= 0.5 { 'o' } else { ' ' };
+    (-30..=30).map(dot).collect()
 }

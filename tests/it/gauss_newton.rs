@@ -47,8 +47,8 @@ fn dense(scene: &Scene, run: &Rollout) -> DMatrix<f64> {
                 let row = coordinates.flatten(&seed.gradient);
                 all[(seed.entry, j)] += row.dot(&by.column(0));
             }
-            if k < STEPS {
-                by = &steps[k].state * by;
+            if let Some(step) = steps.get(k) {
+                by = &step.state * by;
             }
         }
     }

@@ -54,7 +54,7 @@ pub(crate) fn by_enumeration(
 /// A positive definite matrix and a gradient that look random.
 fn problem(m: usize, seed: usize) -> (DMatrix<f64>, DVector<f64>) {
     let wave = |i: usize, j: usize| (1.3 * (i * i) as f64 + 2.7 * j as f64 + seed as f64).sin();
-    let root = DMatrix::from_fn(m, m, |i, j| wave(i, j));
+    let root = DMatrix::from_fn(m, m, wave);
     let h = root.tr_mul(&root) + DMatrix::identity(m, m) * 0.05;
     (h, DVector::from_fn(m, |i, _| 2.0 * wave(i + 5, 3)))
 }

@@ -30,7 +30,9 @@ fn refused(change: impl FnOnce(&mut Planner, &mut Quadratic, &mut Vec<Vec<f64>>)
 
 #[track_caller]
 fn says(message: &str, all: &[&str]) {
-    all.iter().for_each(|part| assert!(message.contains(part), "{message:?} lacks {part:?}"));
+    for part in all {
+        assert!(message.contains(part), "{message:?} lacks {part:?}");
+    }
 }
 
 #[test]

@@ -25,7 +25,9 @@ fn balances() {
     let aims =
         [(place(0, 0), 0.0), (place(POLE, 2), upright), (rate(0, 0), 0.0), (rate(POLE, 2), 0.0)];
     let mut cost = Quadratic::of_effort(dynamics.states(), 1, EFFORT);
-    aims.iter().for_each(|(place, target)| cost.aim(*place, *target, 0.0, 100.0));
+    for (place, target) in aims {
+        cost.aim(place, target, 0.0, 100.0);
+    }
 
     let initial = scene.initial_state();
     let limits = ControlLimits::new(vec![-4.0], vec![4.0]).expect("limits");
