@@ -3,6 +3,7 @@
 #[cfg(feature = "parallel")]
 pub use tangency_batch as batch;
 pub use tangency_collision as collision;
+pub use tangency_control as control;
 pub use tangency_core as core;
 pub use tangency_diff as diff;
 pub use tangency_lcp as lcp;

@@ -20,6 +20,7 @@ mod masonry;
 mod race;
 mod rocker;
 mod suspension;
+mod tasks;
 mod tight;
 
 pub use billiard::billiard;
@@ -47,4 +48,5 @@ pub use masonry::{arch, gable, pyramid};
 pub use race::{race_bounce, race_cartpole, race_chain, race_scenes, race_stack};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
+pub use tasks::{driven_pendulum, hanging_cartpole, pushed_box};
 pub use tight::{misfit_hinges, narrow_slot, seesaw, wedged_box};

@@ -27,6 +27,16 @@ pub enum DiffError {
         /// Length found.
         found: usize,
     },
+    /// An index beyond the end of what it counts.
+    #[error("{what} is {found}, but there are only {count}, counted from 0")]
+    Index {
+        /// The index.
+        what: &'static str,
+        /// How many there are.
+        count: usize,
+        /// The index found.
+        found: usize,
+    },
     /// A number that was given, or that came out, is NaN or infinite.
     #[error("{what} is not finite; look for a division by zero in the loss, or for an overflow")]
     NotFinite {

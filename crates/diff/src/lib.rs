@@ -26,12 +26,20 @@ mod reverse;
 mod rollout;
 mod sizes;
 mod step;
+// all derivatives of a step at once, and products with those of a rollout,
+mod coordinates;
+mod gauss_newton;
+mod joint_force;
+mod step_jacobian;
 // and names for parameters.
 mod parameter;
 
+pub use coordinates::Coordinates;
 pub use error::DiffError;
+pub use gauss_newton::{GaussNewton, ResidualSeed};
 pub use parameter::{Parameter, ParameterError};
 pub use report::{GaveWay, GradientReport, OneSided, Switch};
 pub use rollout::{Gradient, gradient, gradient_adding, tangent};
 pub use step::{step_jvp, step_vjp};
+pub use step_jacobian::{StepJacobian, step_jacobian};
 pub use vector::{BodyVector, Direction, JointVector, RolloutVector, SceneVector, StateVector};

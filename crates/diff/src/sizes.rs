@@ -1,7 +1,7 @@
 //! Vectors that a derivative is asked for must fit the scene and be finite; so must what it gives.
 
 use nalgebra::Vector3;
-use tangency_core::{Rollout, Scene};
+use tangency_core::{Rollout, Scene, State, StepRecord};
 
 use crate::error::DiffError;
 use crate::vector::{BodyVector, Direction, JointVector, RolloutVector, SceneVector, StateVector};
@@ -33,6 +33,20 @@ pub(crate) fn rollout(scene: &Scene, rollout: &Rollout) -> Result<(), DiffError>
     let channels = scene.controls().len();
     let controls = rollout.records.iter().map(|record| &record.control);
     controls.into_iter().try_for_each(|u| length("a control of the rollout", channels, u.len()))
+}
+
+/// Refuses a step of another scene.
+pub(crate) fn step(scene: &Scene, before: &State, record: &StepRecord) -> Result<(), DiffError> {
+    for state in [before, &record.after] {
+        length("a state of the step", scene.bodies().len(), state.q.len())?;
+        length("a state of the step", scene.bodies().len(), state.v.len())?;
+    }
+    length("the control of the step", scene.controls().len(), record.control.len())
+}
+
+/// Refuses an index that is not below `count`.
+pub(crate) fn index(what: &'static str, count: usize, found: usize) -> Result<(), DiffError> {
+    if found < count { Ok(()) } else { Err(DiffError::Index { what, count, found }) }
 }
 
 /// Refuses a direction that does not fit a scene.

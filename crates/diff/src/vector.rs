@@ -35,6 +35,13 @@ impl StateVector {
         self.v.iter_mut().zip(&other.v).for_each(|(a, b)| *a += b);
     }
 
+    /// Adds a multiple of another.
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        self.time += factor * other.time;
+        self.q.iter_mut().zip(&other.q).for_each(|(a, b)| *a += b * factor);
+        self.v.iter_mut().zip(&other.v).for_each(|(a, b)| *a += b * factor);
+    }
+
     /// Inner product.
     #[must_use]
     pub fn dot(&self, other: &Self) -> f64 {

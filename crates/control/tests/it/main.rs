@@ -1,0 +1,8 @@
+//! The planner on systems whose best controls are known, and what it refuses.
+
+mod box_qp;
+mod linear;
+mod refusals;
+mod regulator;
+mod scene;
+mod swing;
