@@ -27,7 +27,7 @@ use crate::lcp::LcpAdjoint;
 use crate::parameter::Parameter;
 use crate::report::GradientReport;
 use crate::sizes;
-use crate::step::{post_context, step_jvp, velocity_context};
+use crate::step::{step_jvp, velocity_context};
 use crate::vector::{Direction, StateVector};
 
 /// The derivatives of the state after a step. Rows are the [`Coordinates`] of the state after it.
@@ -61,8 +61,8 @@ pub fn step_jacobian(
     let mut assembly = Assembly::new(scene, before, record)?;
     assembly.add_momentum();
     let mut by = assembly.motion();
-    if let Some(post) = &record.post {
-        assembly.mend(&post_context(scene, record, post), &post.islands, &mut by)?;
+    for post in &record.post {
+        assembly.mend(&record.post_context(scene, post), &post.islands, &mut by)?;
     }
     let [state, control] = by;
     let parameters = by_parameters(scene, before, record, &assembly.coordinates, parameters)?;
