@@ -52,13 +52,9 @@ impl Rows {
         let held = |(row, held): (usize, &JointRow)| {
             let MeasureValue { value, jacobian } = held.measure.evaluate_on(&arms, sides);
             let value = value - held.reference;
-            let (mut rhs, compliance) = match common {
-                Some(Rhs { d_position, compliance, .. }) => (d_position * value, compliance),
-                None => {
-                    let own = context.held_rhs(index, number(row), value);
-                    (own.value, own.compliance)
-                }
-            };
+            let own = || context.held_rhs(index, number(row), value);
+            let of_all = |rhs: Rhs| Rhs { value: rhs.d_position * value, ..rhs };
+            let Rhs { value: mut rhs, compliance, .. } = common.map_or_else(own, of_all);
             if driven {
                 rhs -=
                     driven_speed(context, &RowGeometry { bodies: joint.bodies, value, jacobian });
