@@ -127,13 +127,15 @@ fn drift(solver: &dyn LcpSolver, def: &SceneDef, dt: f64) -> (f64, usize) {
 }
 
 /// Digits double with every displacement, so that three are enough; also where rows depend on each
-/// other (the parallelogram) and where a whipping end opens joints faster than the recovery speed.
+/// other (the parallelogram) and where a whipping end opens joints faster than the recovery speed. Long
+/// chains stay nearly straight, which takes two more.
 #[test]
 fn post_leaves_no_joint_error() {
     let scenes = [
         race_chain(10),
         race_chain(50),
         race_chain(200),
+        race_chain(1000),
         race_cartpole(),
         double_pendulum([2.5, 2.8]),
         parallelogram(3, 1.2),
@@ -144,7 +146,11 @@ fn post_leaves_no_joint_error() {
             for dt in [0.005, 1.0 / 60.0] {
                 let (worst, most) = drift(&*solver, def, dt);
                 near(&format!("{}, drift", def.name), worst, 0.0, 1e-9);
-                assert!(most <= 3, "{}: {most} displacements in a step", def.name);
+                assert!(
+                    most <= if def.bodies.len() < 1000 { 3 } else { 5 },
+                    "{}: {most} displacements in a step",
+                    def.name
+                );
             }
         }
     }

@@ -6,7 +6,7 @@ use tangency_collision::{Contact, Pose};
 use tangency_lcp::LcpSolver;
 
 use crate::island::{Island, assemble};
-use crate::progress::asked;
+use crate::progress::{MOST, asked};
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::{RowContext, RowSource, SlowRow};
 use crate::scene::Scene;
@@ -87,7 +87,7 @@ fn islands(
 ) -> Option<Vec<Island>> {
     let (context, last) = (record.post_context(scene, next), record.post.last());
     let StepScratch { progress, frames, .. } = scratch;
-    if !progress.asks(&context, frames, last.is_none()) {
+    if record.post.len() == MOST || !progress.asks(&context, frames, last.is_none()) {
         return None;
     }
     if let Some(last) = last {

@@ -1,6 +1,6 @@
 //! The islands of a step, each solved in the first of its stages that has a solution.
 
-use tangency_lcp::{LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_assembled};
+use tangency_lcp::{Lcp, LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_assembled};
 
 use crate::StepError;
 use crate::guess::guess_likely;
@@ -62,9 +62,9 @@ fn wild(stage: Stage) -> f64 {
 const CALMER: f64 = 4.0;
 
 /// Joints that are far from contradicting each other move as they must, however fast.
-fn is_lever(island: &Island, solution: &LcpSolution) -> bool {
+pub(crate) fn is_lever(problem: &Lcp, solution: &LcpSolution) -> bool {
     let regular = solution.system.as_ref().is_some_and(|system| system.is_regular());
-    regular && island.problem.is_linear()
+    regular && problem.is_linear()
 }
 
 /// The record of one island; of a refusal its bodies and the first stage's error.
@@ -80,7 +80,7 @@ fn solve_island(
     match solve_assembled(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
         Ok((solution, residual))
             if !gives_too_much(context, &island, &solution)
-                && (is_lever(&island, &solution)
+                && (is_lever(&island.problem, &solution)
                     || island.problem.is_calm(&solution, wild(island.stage))) =>
         {
             Ok(record(island, solution, residual.max()))
