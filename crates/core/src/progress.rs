@@ -21,6 +21,9 @@ use crate::{Joint, JointRow};
 /// The share of its error that a displacement may leave if another one is to follow.
 const SHRUNK: f64 = 0.25;
 
+/// The part of what counts as rounding above which contacts that stay closed are mended.
+const CLOSED: f64 = 1e-3;
+
 /// What the last displacement did to the islands of a step.
 #[derive(Debug, Default)]
 pub(crate) struct Progress {
@@ -71,7 +74,10 @@ impl Progress {
         let contact = |(index, contact): (u32, &Contact)| {
             let source = RowSource::Normal { contact: index };
             let bodies = || context.contact_bodies(index).map(Some);
-            contact.gap < 0.0 && self.is_left(context, source, contact.gap, bodies(), 1.0)
+            let closed = context.stays_closed(index);
+            let least = if closed && first { CLOSED } else { 1.0 };
+            (contact.gap < 0.0 || closed)
+                && self.is_left(context, source, contact.gap, bodies(), least)
         };
         (0..).zip(context.contacts).any(contact) || (0..).zip(&context.scene.joints).any(joint)
     }
@@ -117,13 +123,17 @@ impl Progress {
 
 /// dt b in units of what counts as rounding: how far a row asks to be displaced.
 fn error(context: &RowContext<'_>, source: RowSource, rhs: f64) -> f64 {
-    let asked = asked(source, rhs);
-    if asked > 0.0 { context.scene.dt * asked / context.slop(source) } else { 0.0 }
+    let asked = asked(context, source, rhs);
+    if asked > 0.0 { context.dt * asked / context.slop(source) } else { 0.0 }
 }
 
 /// The speed at which a row asks to be displaced; negative if it allows to be.
-pub(crate) fn asked(source: RowSource, rhs: f64) -> f64 {
-    if matches!(source, RowSource::Held { .. }) { rhs.abs() } else { rhs }
+pub(crate) fn asked(context: &RowContext<'_>, source: RowSource, rhs: f64) -> f64 {
+    match source {
+        RowSource::Held { .. } => rhs.abs(),
+        RowSource::Normal { contact } if context.stays_closed(contact) => rhs.abs(),
+        _ => rhs,
+    }
 }
 
 fn worst(errors: impl Iterator<Item = f64>) -> f64 {

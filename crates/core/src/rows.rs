@@ -6,6 +6,7 @@ use tangency_lcp::{Law, NO_BODY, Row};
 use crate::frames::Frames;
 use crate::measure::{Arms, MeasureValue};
 use crate::model::JointRow;
+use crate::motion::Motion;
 use crate::reach::Groups;
 use crate::rhs::Rhs;
 use crate::row::{RowContext, RowGeometry, RowSource};
@@ -15,6 +16,8 @@ use crate::row::{RowContext, RowGeometry, RowSource};
 pub(crate) struct Rows {
     pub(crate) sources: Vec<RowSource>,
     pub(crate) rows: Vec<Row>,
+    /// Of flows and impacts the limits that are reached; others have no row.
+    pub(crate) reached: Vec<RowSource>,
 }
 
 impl Rows {
@@ -27,9 +30,9 @@ impl Rows {
         let held: usize = context.scene.joints.iter().map(|joint| joint.held.len()).sum();
         self.sources.reserve_exact(held + 2 * context.contacts.len());
         self.rows.reserve_exact(held + 2 * context.contacts.len());
-        let post = !context.stage.is_velocity();
+        let soft = context.stage.is_velocity() && context.motion.lasts(context.dt);
         for (index, joint) in (0_u32..).zip(&context.scene.joints) {
-            if post && joint.softness.is_some() {
+            if joint.softness.is_some() && !soft {
                 continue;
             }
             self.list_held(context, frames, index);
@@ -55,7 +58,9 @@ impl Rows {
             let (mut rhs, compliance) = match common {
                 Some(Rhs { d_position, compliance, .. }) => (d_position * value, compliance),
                 None => {
-                    let own = context.held_rhs(index, number(row), value);
+                    let geometry = RowGeometry { bodies: joint.bodies, value, jacobian };
+                    let speed = context.speed(&geometry);
+                    let own = context.held_rhs(index, number(row), value, speed);
                     (own.value, own.compliance)
                 }
             };
@@ -85,7 +90,9 @@ impl Rows {
         if joint.limits.upper.is_some() {
             self.push_limit(context, frames, RowSource::Upper { joint: index }, groups);
         }
-        if joint.motor.is_some() && context.stage.is_velocity() {
+        let weak = joint.motor.is_some_and(|motor| motor.max.is_some());
+        let drives = context.stage.is_velocity() && !(weak && context.motion == Motion::Impact);
+        if joint.motor.is_some() && drives {
             let source = RowSource::Motor { joint: index };
             let law = context.motor_law(index);
             self.push(context, source, &context.geometry_in(source, frames), law);
@@ -98,7 +105,9 @@ impl Rows {
                 continue; // moved until two points coincide: nothing to mend, and no direction
             }
             let [normal, tangent] = context.contact_geometries(contact);
-            self.push(context, RowSource::Normal { contact: index }, &normal, Law::Unilateral);
+            let closed = context.stays_closed(index);
+            let law = if closed { Law::Equality } else { Law::Unilateral };
+            self.push(context, RowSource::Normal { contact: index }, &normal, law);
             if !context.stage.is_velocity() {
                 continue;
             }
@@ -120,6 +129,12 @@ impl Rows {
         groups: &Groups,
     ) {
         let geometry = context.geometry_in(source, frames);
+        if context.motion != Motion::Fixed {
+            if self.reached.contains(&source) {
+                self.push(context, source, &geometry, Law::Unilateral);
+            }
+            return;
+        }
         let reach = groups.of_joint(geometry.bodies);
         let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
         let bound: f64 = geometry.jacobian.iter().map(travel).sum();
@@ -166,6 +181,9 @@ pub(crate) fn set_right_side(
     let rhs = match source {
         RowSource::Tangent { .. } => Rhs::default(),
         RowSource::Normal { .. } => context.rhs(source, geometry.value, context.speed(geometry)),
+        RowSource::Held { .. } if context.motion == Motion::Flow => {
+            context.rhs(source, geometry.value, context.speed(geometry))
+        }
         _ => context.rhs(source, geometry.value, 0.0),
     };
     (row.rhs, row.compliance) = (rhs.value, rhs.compliance);

@@ -1,7 +1,7 @@
 //! What was not smooth along a gradient.
 
 use tangency_core::row::{RowContext, Stage};
-use tangency_core::{ContactModel, IslandRecord, RowSource};
+use tangency_core::{ContactModel, IslandRecord, Motion, RowSource};
 
 use crate::lcp::{LcpGradientReport, WEAK_MARGIN, WeakKind, WeakRow};
 
@@ -16,6 +16,10 @@ pub enum Switch {
     Saturating,
     /// Reaching the other body within the step, and so bouncing off it, or just not.
     Bouncing,
+    /// Several gaps that close at once: the time of the impact is that of the row named here.
+    Together,
+    /// Closing so slowly, for how fast it moves, that the time of the impact is ill-conditioned.
+    Grazing,
 }
 
 impl From<WeakKind> for Switch {
@@ -61,6 +65,9 @@ pub struct GradientReport {
     /// Islands in which restitution or the correction of positions gave way; the derivative is that
     /// of the problem that was solved.
     pub gave_way: Vec<GaveWay>,
+    /// Steps in which more impacts were in reach than the scene divides a step for, so that their rest
+    /// was one of fixed length.
+    pub fell_back: Vec<usize>,
     step: usize,
 }
 
@@ -89,8 +96,9 @@ impl GradientReport {
     /// Adds the contacts for which `gap + dt Jₙ v⁻` is zero to rounding, the switch of restitution.
     pub(crate) fn add_bounces(&mut self, context: &RowContext<'_>, island: &IslandRecord) {
         let bounces = island.stage != Stage::Plastic;
-        let gaps =
-            context.scene.contact_model() == ContactModel::Gap && !context.contacts.is_empty();
+        let gaps = context.motion == Motion::Fixed
+            && context.scene.contact_model() == ContactModel::Gap
+            && !context.contacts.is_empty();
         if !gaps || !bounces {
             return;
         }
@@ -101,11 +109,22 @@ impl GradientReport {
         self.one_sided.extend(at_switch.map(one_sided));
     }
 
+    /// Adds a row at a switch.
+    pub(crate) fn add_switch(&mut self, source: RowSource, kind: Switch) {
+        self.one_sided.push(OneSided { step: self.step, source, kind, stage: Stage::Velocity });
+    }
+
+    /// Adds a step that fell back to a fixed length.
+    pub(crate) fn add_fall_back(&mut self) {
+        self.fell_back.push(self.step);
+    }
+
     /// Reverse mode meets the last step first; users read the first one first.
     pub(crate) fn end(&mut self) {
         self.one_sided.reverse();
         self.dependent_rows.reverse();
         self.gave_way.reverse();
+        self.fell_back.reverse();
     }
 }
 
@@ -116,7 +135,7 @@ fn at_bounce(context: &RowContext<'_>, source: RowSource) -> bool {
     if gap <= 0.0 {
         return false;
     }
-    let travel = context.scene.dt() * context.speed(&context.geometry(source));
+    let travel = context.dt * context.speed(&context.geometry(source));
     let [a, b] = context.contact_bodies(contact);
     (gap + travel).abs() <= WEAK_MARGIN * gap
         && gap > context.contact_slop(contact)
