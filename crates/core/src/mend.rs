@@ -132,7 +132,7 @@ fn islands(
 fn list(context: &RowContext<'_>, scratch: &mut StepScratch) -> Vec<Island> {
     let still = scratch.vectors.filled(context.q.len(), Vector3::zeros());
     let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(context, &scratch.frames, scratch.detection.groups());
+    rows.fill(context, &scratch.frames, scratch.detection.groups());
     let mut islands = assemble(context, &still, &mut rows, scratch);
     scratch.rows = rows;
     scratch.vectors.give(still);

@@ -83,7 +83,7 @@ impl Path<'_> {
                 scratch.detection.within(self.scene, state.time, frames, reach, &mut found)?;
                 for contact in &found {
                     match self.ahead(&state, contact) {
-                        Ahead::Closed { within } => hit = earlier(hit, contact, s + within),
+                        Ahead::Closed { within } => hit = Some(earlier(hit, contact, s + within)),
                         Ahead::Free { within } => step = step.min(within),
                     }
                 }
@@ -199,9 +199,9 @@ enum Ahead {
 }
 
 /// The earlier of what was found and another contact.
-fn earlier(hit: Option<Hit>, contact: &Contact, at: f64) -> Option<Hit> {
+fn earlier(hit: Option<Hit>, contact: &Contact, at: f64) -> Hit {
     let new = Hit { at, gap: Gap::Contact(contact.feature) };
-    Some(hit.filter(|hit| hit.at <= at).unwrap_or(new))
+    hit.filter(|hit| hit.at <= at).unwrap_or(new)
 }
 
 /// The first positive zero of g + r δ − ½ G δ², which is at or above zero at first.

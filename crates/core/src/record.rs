@@ -197,7 +197,8 @@ impl StepRecord {
         self.parts.iter().map(Self::residual).fold(own, f64::max)
     }
 
-    /// Impulses of the contacts that have any.
+    /// Impulses of the contacts that have any; those of impacts that divide the step are their own
+    /// records' in [`parts`](Self::parts).
     #[must_use]
     pub fn contact_impulses(&self) -> Vec<ContactImpulse> {
         let mut impulses: Vec<ContactImpulse> = Vec::new();
@@ -225,7 +226,7 @@ impl StepRecord {
         impulses
     }
 
-    /// Impulse of the row with this source, N·s or N·m·s, if it was modelled.
+    /// Impulse (of a divided step in its last part) of the row with this source, N·s or N·m·s, if it was modelled.
     #[must_use]
     pub fn impulse(&self, source: RowSource) -> Option<f64> {
         self.islands.iter().find_map(|island| {

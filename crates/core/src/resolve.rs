@@ -197,7 +197,7 @@ impl Division<'_> {
         let mut rows = std::mem::take(&mut scratch.rows);
         rows.reached.clear();
         rows.reached.extend_from_slice(reached);
-        rows.list(&context, &scratch.frames, scratch.detection.groups());
+        rows.fill(&context, &scratch.frames, scratch.detection.groups());
         let islands = assemble(&context, &momentum, &mut rows, scratch);
         scratch.rows = rows;
         if let Some(before) = before {

@@ -255,7 +255,7 @@ impl RowContext<'_> {
         if !self.stage.is_velocity() {
             return self.post_rhs(RowSource::Held { joint, row }, value);
         }
-        let (dt, joints) = (self.dt, self.scene.def.stabilisation.joints);
+        let dt = self.dt;
         if let Some(softness) = self.joint(joint).softness {
             return rhs::soft(softness, value, dt);
         }
@@ -263,7 +263,7 @@ impl RowContext<'_> {
             return Rhs::default();
         }
         match self.motion {
-            Motion::Fixed => rhs::rigid(joints, value, dt),
+            Motion::Fixed => rhs::rigid(self.scene.def.stabilisation.joints, value, dt),
             Motion::Flow => rhs::midway(speed),
             Motion::Impact => Rhs::default(),
         }

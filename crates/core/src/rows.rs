@@ -15,7 +15,7 @@ use crate::row::{RowContext, RowGeometry, RowSource};
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) sources: Vec<RowSource>,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) list: Vec<Row>,
     /// Of flows and impacts the limits that are reached; others have no row.
     pub(crate) reached: Vec<RowSource>,
 }
@@ -23,13 +23,13 @@ pub(crate) struct Rows {
 impl Rows {
     /// All rows of the step, joints first, each friction row behind its normal row. `frames` are those
     /// of the context's poses.
-    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
+    pub(crate) fn fill(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
         self.sources.clear();
-        self.rows.clear();
+        self.list.clear();
         // The lists may end in a record: they take no more than they need.
         let held: usize = context.scene.joints.iter().map(|joint| joint.held.len()).sum();
         self.sources.reserve_exact(held + 2 * context.contacts.len());
-        self.rows.reserve_exact(held + 2 * context.contacts.len());
+        self.list.reserve_exact(held + 2 * context.contacts.len());
         let soft = context.stage.is_velocity() && context.motion.lasts(context.dt);
         for (index, joint) in (0_u32..).zip(&context.scene.joints) {
             if joint.softness.is_some() && !soft {
@@ -55,14 +55,13 @@ impl Rows {
         let held = |(row, held): (usize, &JointRow)| {
             let MeasureValue { value, jacobian } = held.measure.evaluate_on(&arms, sides);
             let value = value - held.reference;
-            let (mut rhs, compliance) = match common {
-                Some(Rhs { d_position, compliance, .. }) => (d_position * value, compliance),
-                None => {
-                    let geometry = RowGeometry { bodies: joint.bodies, value, jacobian };
-                    let speed = context.speed(&geometry);
-                    let own = context.held_rhs(index, number(row), value, speed);
-                    (own.value, own.compliance)
-                }
+            let (mut rhs, compliance) = if let Some(common) = common {
+                (common.d_position * value, common.compliance)
+            } else {
+                let geometry = RowGeometry { bodies: joint.bodies, value, jacobian };
+                let speed = context.speed(&geometry);
+                let own = context.held_rhs(index, number(row), value, speed);
+                (own.value, own.compliance)
             };
             if driven {
                 rhs -=
@@ -72,7 +71,7 @@ impl Rows {
             Row { bodies: joint.unknowns, jacobian, rhs, compliance, law: Law::Equality }
         };
         self.sources.extend(joint.held.iter().enumerate().map(source));
-        self.rows.extend(joint.held.iter().enumerate().map(held));
+        self.list.extend(joint.held.iter().enumerate().map(held));
     }
 
     /// Limits in reach, and the motor.
@@ -114,7 +113,7 @@ impl Rows {
             let [a, b] = context.contact_bodies(index);
             let mu = context.scene.pair_friction(a, b).value;
             if mu > 0.0 {
-                let law = Law::Friction { normal: number(self.rows.len() - 1), mu };
+                let law = Law::Friction { normal: number(self.list.len() - 1), mu };
                 self.push(context, RowSource::Tangent { contact: index }, &tangent, law);
             }
         }
@@ -167,7 +166,7 @@ impl Rows {
         }
         set_right_side(context, source, geometry, &mut row);
         self.sources.push(source);
-        self.rows.push(row);
+        self.list.push(row);
     }
 }
 

@@ -8,6 +8,7 @@ use crate::detect::Detection;
 use crate::frames::Frames;
 use crate::guess::Places;
 use crate::island::{Groups, Island};
+use crate::motion::Motion;
 use crate::progress::Progress;
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::{RowSource, SlowRow};
@@ -44,11 +45,12 @@ pub struct StepScratch {
 impl StepScratch {
     /// Takes the memory of a record that is needed no more.
     pub fn recycle(&mut self, record: StepRecord) {
-        let StepRecord { control, contacts, islands, post, after, parts, midway, bounces, .. } =
-            record;
-        parts.into_iter().for_each(|part| self.recycle(part));
-        self.vectors.give(midway);
-        self.flags.give(bounces);
+        let StepRecord { control, contacts, islands, post, after, .. } = record;
+        if record.motion != Motion::Fixed || !record.parts.is_empty() {
+            record.parts.into_iter().for_each(|part| self.recycle(part));
+            self.vectors.give(record.midway);
+            self.flags.give(record.bounces);
+        }
         self.floats.give(control);
         self.contacts.give(contacts);
         self.recycle_islands(islands);

@@ -133,13 +133,14 @@ pub(crate) fn set_up(
     scratch.detection.detect(scene, state, scratch.frames.bodies(), &momentum, &mut contacts)?;
     let context = RowContext { contacts: &contacts, ..context };
     let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(&context, &scratch.frames, scratch.detection.groups());
+    rows.fill(&context, &scratch.frames, scratch.detection.groups());
     let islands = assemble(&context, &momentum, &mut rows, scratch);
     scratch.rows = rows;
     Ok(Setup { contacts, islands, momentum })
 }
 
 /// v⁺ from the islands, or p/m where nothing acts; q⁺ as the context's motion says.
+#[inline]
 pub(crate) fn integrate(
     context: &RowContext<'_>,
     state: &State,

@@ -36,15 +36,18 @@ impl Reverse {
         if record.fell_back() {
             report.add_fall_back();
         }
+        report.go_to(None);
         let by_dt = std::mem::take(&mut bars.scene.dt);
         self.part(scene, start(before, record, record.parts.len()), record, bars, report)?;
         let by_length = bars.scene.dt;
         let mut impact: Option<&StepRecord> = None;
         for (k, part) in record.parts.iter().enumerate().rev() {
             let before = start(before, record, k);
+            report.go_to(Some(k + 1));
             if let Some(impact) = impact.take() {
                 self.hit(scene, before, [part, impact], by_length, bars, report)?;
             }
+            report.go_to(Some(k));
             self.part(scene, before, part, bars, report)?;
             impact = Some(part).filter(|part| part.hit.is_some());
         }

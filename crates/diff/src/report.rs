@@ -37,6 +37,9 @@ impl From<WeakKind> for Switch {
 pub struct OneSided {
     /// The step.
     pub step: usize,
+    /// Which of the step's [`parts`](tangency_core::StepRecord::parts) has the row; `None` for what was
+    /// left of the step, and where nothing divides it.
+    pub part: Option<usize>,
     /// The row.
     pub source: RowSource,
     /// Between which pieces.
@@ -69,15 +72,22 @@ pub struct GradientReport {
     /// was one of fixed length.
     pub fell_back: Vec<usize>,
     step: usize,
+    part: Option<usize>,
 }
 
 impl GradientReport {
     pub(crate) fn begin(&mut self, step: usize) {
         self.step = step;
+        self.part = None;
+    }
+
+    /// What follows is about a part of the step, or what was left of it.
+    pub(crate) fn go_to(&mut self, part: Option<usize>) {
+        self.part = part;
     }
 
     pub(crate) fn add(&mut self, island: &IslandRecord, report: &LcpGradientReport) {
-        let step = self.step;
+        let (step, part) = (self.step, self.part);
         if report.rank_defect > 0 && self.dependent_rows.last() != Some(&step) {
             self.dependent_rows.push(step);
         }
@@ -86,6 +96,7 @@ impl GradientReport {
         }
         let row = |weak: &WeakRow| OneSided {
             step,
+            part,
             source: island.sources[weak.row as usize],
             kind: weak.kind.into(),
             stage: island.stage,
@@ -102,16 +113,17 @@ impl GradientReport {
         if !gaps || !bounces {
             return;
         }
-        let step = self.step;
+        let (step, part) = (self.step, self.part);
         let at_switch = island.sources.iter().filter(|source| at_bounce(context, **source));
         let (kind, stage) = (Switch::Bouncing, island.stage);
-        let one_sided = |source: &RowSource| OneSided { step, source: *source, kind, stage };
+        let one_sided = |source: &RowSource| OneSided { step, part, source: *source, kind, stage };
         self.one_sided.extend(at_switch.map(one_sided));
     }
 
     /// Adds a row at a switch.
     pub(crate) fn add_switch(&mut self, source: RowSource, kind: Switch) {
-        self.one_sided.push(OneSided { step: self.step, source, kind, stage: Stage::Velocity });
+        let (step, part, stage) = (self.step, self.part, Stage::Velocity);
+        self.one_sided.push(OneSided { step, part, source, kind, stage });
     }
 
     /// Adds a step that fell back to a fixed length.

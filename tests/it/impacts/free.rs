@@ -19,7 +19,7 @@ fn heights_are_those_of_the_motion() {
             }
         }
         let scene = built(&dropped(0.1, 1.0, 0.0, 0.5));
-        near("after 0.75 s", run(&scene, &*solver, 150).last().q[1].y, 0.268348, 5e-7);
+        near("after 0.75 s", run(&scene, &*solver, 150).last().q[1].y, 0.268_348, 5e-7);
     }
 }
 

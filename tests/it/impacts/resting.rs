@@ -29,7 +29,11 @@ fn bounces_come_to_rest() {
 /// V04: gaps after 1, 3, 6 and 19 impacts.
 #[test]
 fn gaps_of_many_bounces() {
-    let gaps = [(1.0, 0.46800445252603631), (2.0, 0.2607417283270572), (3.0, 0.068707460965765722)];
+    let gaps = [
+        (1.0, 0.468_004_452_526_036_31),
+        (2.0, 0.260_741_728_327_057_2),
+        (3.0, 0.068_707_460_965_765_722),
+    ];
     for solver in backends() {
         let rollout = run(&built(&dropped(0.1, 1.1, 0.0, 0.8)), &*solver, 600);
         for (time, gap) in gaps {
