@@ -1,6 +1,6 @@
 //! What comes to rest, slides, rolls and hangs between impacts.
 
-use tangency::{BodyDef, JointDef, JointKind, Limits, SceneDef, WORLD};
+use tangency::{BodyDef, BodyKind, JointDef, JointKind, Limits, SceneDef, WORLD};
 use tangency_bench::scenes::{
     disc, hinge, material, pendulum, race_chain, race_stack, sliding_disc,
 };
@@ -107,6 +107,28 @@ fn a_chain_hangs_together() {
         let scene = built(&resolved(race_chain(10)));
         let rollout = run(&scene, &*solver, 200);
         assert!(scene.joint_drift(rollout.last()) < 1e-8, "{}", scene.joint_drift(rollout.last()));
+    }
+}
+
+/// A disc slides off a fixed one: it follows the curve, and leaves where nothing presses any more,
+///
+/// ```text
+///  cos φ = ⅔ + v₀²/(3 g (R + r))
+/// ```
+#[test]
+fn curves_are_followed_until_nothing_presses() {
+    let (sum, v) = (1.0, 0.5);
+    let hill = BodyDef { kind: BodyKind::Static, ..disc("hill", 0.8, [0.0, 0.0]) };
+    let ball = BodyDef { mass: Some(1.0), velocity: [v, 0.0], ..disc("ball", 0.2, [0.0, sum]) };
+    let def = SceneDef { dt: 0.001, bodies: vec![hill, ball], ..SceneDef::default() };
+    let scene = built(&resolved(material(def, 0.0, 0.0)));
+    let exact = 2.0 / 3.0 + v * v / (3.0 * 9.81 * sum);
+    for solver in backends() {
+        let rollout = run(&scene, &*solver, 900);
+        let apart = |k: usize| rollout.state(k).q[1].xy().norm() - sum;
+        let follows = (0..=900).take_while(|k| apart(*k).abs() <= 1e-9).count();
+        near("leaves at", rollout.state(follows - 1).q[1].y / sum, exact, 5e-3);
+        assert!(apart(900) > 1e-3, "it leaves");
     }
 }
 
