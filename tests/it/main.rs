@@ -19,6 +19,7 @@ mod fuzzed;
 mod gauss_newton;
 mod giving_way;
 mod gradients;
+mod impacts;
 mod joints;
 mod modelling;
 mod motors;

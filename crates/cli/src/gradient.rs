@@ -275,7 +275,9 @@ fn meeting_times(objective: &Objective<'_>, loss: &Loss, rollout: &Rollout) -> O
 fn describe(it: &OneSided, scene: &Scene, rollout: &Rollout) -> String {
     let joint = |j: u32| format!("joint {}", scene.joints()[j as usize].name);
     let contact = |c: u32| {
-        let bodies = rollout.records[it.step].contacts.get(c as usize).map(|contact| {
+        let record = &rollout.records[it.step];
+        let part = it.part.map_or(record, |part| &record.parts[part]);
+        let bodies = part.contacts.get(c as usize).map(|contact| {
             contact.feature.id.bodies.map(|b| scene.bodies()[b as usize].name.as_str())
         });
         bodies.map_or_else(|| "a contact".into(), |[a, b]| format!("contact of {a} and {b}"))
@@ -291,6 +293,8 @@ fn describe(it: &OneSided, scene: &Scene, rollout: &Rollout) -> String {
         Switch::Slipping => "sticking or sliding",
         Switch::Saturating => "holding or at its greatest effort",
         Switch::Bouncing => "reaching the other body within the step or just not",
+        Switch::Together => "which of several impacts comes first",
+        Switch::Grazing => "touching in passing or just not",
     };
     format!("step {}, {what}: {between}", it.step + 1)
 }

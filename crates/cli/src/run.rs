@@ -58,13 +58,14 @@ impl Frame {
 }
 
 fn pushes(scene: &Scene, record: &StepRecord) -> Vec<Push> {
-    let impulses = record.contact_impulses();
+    let parts = record.parts.iter().chain([record]);
+    let impulses = parts
+        .flat_map(|part| part.contact_impulses().into_iter().map(move |impulse| (part, impulse)));
     impulses
-        .iter()
-        .map(|it| {
+        .map(|(part, it)| {
             let [n, t] = [it.direction, tangency::collision::pose::perp(&it.direction)];
             let on_b = it.normal * n + it.tangent * t;
-            let Contact { feature, .. } = &record.contacts[it.contact];
+            let Contact { feature, .. } = &part.contacts[it.contact];
             let b = feature.id.bodies[1] as usize;
             let impulse = if scene.is_dynamic(b) { on_b } else { -on_b };
             Push { point: it.point.into(), impulse: impulse.into() }

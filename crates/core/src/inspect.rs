@@ -10,7 +10,7 @@ use crate::StepScratch;
 use crate::detect::Detection;
 use crate::frames::Frames;
 use crate::record::Path;
-use crate::row::{RowContext, RowSource, Stage};
+use crate::row::{RowContext, RowSource};
 use crate::scene::Scene;
 use crate::step::set_up;
 use crate::{BodyKind, JointRow, State, StepError};
@@ -54,7 +54,7 @@ pub struct Inspection {
 pub fn inspect(scene: &Scene, state: &State) -> Result<Inspection, StepError> {
     state.check(scene.bodies.len())?;
     let control = vec![0.0; scene.controls.len()];
-    let setup = set_up(scene, state, &control, &mut StepScratch::default())?;
+    let setup = set_up(scene, state, &control, scene.dt, &mut StepScratch::default())?;
     let name = |body: usize| scene.bodies[body].name.clone();
     let mut bound = vec![false; scene.bodies.len()];
     let mut islands = Vec::new();
@@ -159,17 +159,7 @@ impl Scene {
 
     /// (stiffness, error) of every held row of the soft, or of the rigid, joints.
     fn position_errors(&self, state: &State, soft: bool) -> Vec<(f64, f64)> {
-        let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-        let context = RowContext {
-            scene: self,
-            stage,
-            q,
-            v,
-            control: &[],
-            contacts: &[],
-            loose: &[],
-            slow: &[],
-        };
+        let context = RowContext::of(self, state, &[], self.dt);
         let mut errors = Vec::new();
         for (index, joint) in (0_u32..).zip(&self.joints) {
             if joint.softness.is_some() == soft {

@@ -123,8 +123,8 @@ pub(crate) fn assemble(
 ) -> Vec<Island> {
     let mut groups = std::mem::take(&mut scratch.groups);
     let mut islands = scratch.islands.take();
-    groups.join(momentum.len(), &rows.rows);
-    if groups.is_whole() && rows.rows.iter().all(is_bound) {
+    groups.join(momentum.len(), &rows.list);
+    if groups.is_whole() && rows.list.iter().all(is_bound) {
         islands.push(whole(context, momentum, rows, scratch));
         scratch.groups = groups;
         return islands;
@@ -162,7 +162,7 @@ fn whole(
     island.problem.mass.extend(context.scene.bodies.iter().map(|body| body.mass));
     island.problem.momentum.extend_from_slice(momentum);
     std::mem::swap(&mut island.sources, &mut rows.sources);
-    std::mem::swap(&mut island.problem.rows, &mut rows.rows);
+    std::mem::swap(&mut island.problem.rows, &mut rows.list);
     island
 }
 
@@ -173,16 +173,16 @@ fn is_bound(row: &Row) -> bool {
 /// Gives every row to its island.
 fn distribute(groups: &mut Groups, rows: &mut Rows, islands: &mut [Island]) {
     if let [island] = islands
-        && rows.rows.iter().all(is_bound)
+        && rows.list.iter().all(is_bound)
     {
         std::mem::swap(&mut island.sources, &mut rows.sources);
-        std::mem::swap(&mut island.problem.rows, &mut rows.rows);
+        std::mem::swap(&mut island.problem.rows, &mut rows.list);
         for (index, row) in island.problem.rows.iter_mut().enumerate() {
             groups.localise(row, number(index.saturating_sub(1)));
         }
         return;
     }
-    for (source, row) in rows.sources.drain(..).zip(rows.rows.drain(..)) {
+    for (source, row) in rows.sources.drain(..).zip(rows.list.drain(..)) {
         let Some(index) = groups.island_of(&row) else { continue };
         let island = &mut islands[index];
         let (mut row, before) = (row, number(island.problem.rows.len()).saturating_sub(1));

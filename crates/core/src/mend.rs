@@ -6,6 +6,7 @@ use tangency_collision::{Contact, Pose};
 use tangency_lcp::LcpSolver;
 
 use crate::island::{Island, assemble};
+use crate::motion::Motion;
 use crate::progress::{MOST, asked};
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::{RowContext, RowSource, SlowRow};
@@ -27,7 +28,8 @@ pub(crate) fn mend_positions(
     let loose = loose_bodies(record, scratch);
     let Stabilisation { joints, contacts } = scene.stabilisation();
     let mends_contacts = contacts == Correction::Post && !record.contacts.is_empty();
-    if loose.is_empty() && joints != Correction::Post && !mends_contacts {
+    let mends = joints == Correction::Post || mends_contacts || record.motion == Motion::Flow;
+    if loose.is_empty() && !mends {
         scratch.flags.give(loose);
         return Ok(());
     }
@@ -36,7 +38,7 @@ pub(crate) fn mend_positions(
     while let Some(islands) = islands(scene, before, record, &mut next, scratch) {
         let context = record.post_context(scene, &next);
         let islands = solve(&context, solver, record.after.time, None, islands, scratch)?;
-        displace(&mut record.after.q, scene.dt, &islands);
+        displace(&mut record.after.q, record.dt, &islands);
         let mut loose = scratch.flags.take();
         loose.extend_from_slice(&next.loose);
         if record.post.is_empty() {
@@ -67,7 +69,25 @@ fn evaluate(record: &StepRecord, loose: Vec<bool>, scratch: &mut StepScratch) ->
         Some(last) => stopped(&last.slow, scratch),
         None => Vec::new(),
     };
-    PostRecord { moved, contacts, loose, slow, islands: Vec::new() }
+    let marked = pressed(record, scratch);
+    PostRecord { moved, contacts, loose, slow, marked, islands: Vec::new() }
+}
+
+/// Which contacts pressed in a flow; empty for other motions.
+fn pressed(record: &StepRecord, scratch: &mut StepScratch) -> Vec<bool> {
+    if record.motion != Motion::Flow || record.contacts.is_empty() {
+        return Vec::new();
+    }
+    let mut pressed = scratch.flags.take();
+    pressed.resize(record.contacts.len(), false);
+    for island in &record.islands {
+        for (source, impulse) in island.sources.iter().zip(&island.solution.impulses) {
+            if let RowSource::Normal { contact } = source {
+                pressed[*contact as usize] = *impulse > 0.0;
+            }
+        }
+    }
+    pressed
 }
 
 /// The same rows, which have moved as far as they may.
@@ -112,7 +132,7 @@ fn islands(
 fn list(context: &RowContext<'_>, scratch: &mut StepScratch) -> Vec<Island> {
     let still = scratch.vectors.filled(context.q.len(), Vector3::zeros());
     let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(context, &scratch.frames, scratch.detection.groups());
+    rows.fill(context, &scratch.frames, scratch.detection.groups());
     let mut islands = assemble(context, &still, &mut rows, scratch);
     scratch.rows = rows;
     scratch.vectors.give(still);
@@ -144,7 +164,7 @@ fn slow_down(
     let mut slow = scratch.slow.take();
     for island in islands {
         for (source, row) in island.sources.iter().zip(&mut island.problem.rows) {
-            let (asks, speed) = (asked(*source, row.rhs), context.recovery(*source));
+            let (asks, speed) = (asked(context, *source, row.rhs), context.recovery(*source));
             if asks > speed && was_open(context, before, *source, speed) {
                 row.rhs = speed.copysign(row.rhs);
                 slow.push(SlowRow { source: *source, speed });
@@ -158,9 +178,13 @@ fn slow_down(
 /// Whether an error was there before the move that takes more than a step to remove. Of contacts and
 /// limits every deep penetration counts as such.
 fn was_open(context: &RowContext<'_>, before: &[Pose], source: RowSource, speed: f64) -> bool {
-    let RowSource::Held { .. } = source else { return true };
+    match source {
+        RowSource::Held { .. } => {}
+        RowSource::Normal { contact } => return !context.stays_closed(contact),
+        _ => return true,
+    }
     let context = RowContext { q: before, ..*context };
-    context.geometry(source).value.abs() > context.scene.dt * speed
+    context.geometry(source).value.abs() > context.dt * speed
 }
 
 /// The same features at other poses.

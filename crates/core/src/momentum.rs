@@ -27,11 +27,11 @@ pub(crate) fn momentum_into(
     p.clear();
     p.extend((0..scene.bodies.len()).map(|i| inertial(context, i)));
     for force in &scene.forces {
-        p[force.body] += force.wrench * overlap(force, time, scene.dt);
+        p[force.body] += force.wrench * overlap(force, time, context.dt);
     }
     for (control, u) in scene.controls.iter().zip(context.control) {
         match *control {
-            Control::Wrench { body, component } => p[body][component] += scene.dt * u,
+            Control::Wrench { body, component } => p[body][component] += context.dt * u,
             Control::JointForce { joint } => add_joint_force(context, frames, joint, *u, p),
             Control::MotorSpeed { .. } => {}
         }
@@ -44,10 +44,10 @@ pub(crate) fn momentum_into(
 
 /// M v + dt M g.
 fn inertial(context: &RowContext<'_>, i: usize) -> Vector3<f64> {
-    let Scene { bodies, gravity, dt, .. } = context.scene;
+    let Scene { bodies, gravity, .. } = context.scene;
     let body = &bodies[i];
     let g = gravity * body.gravity_scale;
-    body.mass.component_mul(&(context.v[i] + Vector3::new(g.x, g.y, 0.0) * *dt))
+    body.mass.component_mul(&(context.v[i] + Vector3::new(g.x, g.y, 0.0) * context.dt))
 }
 
 /// How long a force acts within the step that begins at `time`, s.
@@ -68,7 +68,7 @@ fn add_joint_force(
     let row = context.joint_geometry_in(index, free, frames);
     for (body, j) in row.bodies.iter().zip(row.jacobian) {
         if let Some(body) = body {
-            p[*body] += j * (context.scene.dt * u);
+            p[*body] += j * (context.dt * u);
         }
     }
 }

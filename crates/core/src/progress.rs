@@ -28,6 +28,9 @@ const OVERSHOT: f64 = 2.0;
 /// Most displacements of a step. Factors of 4 take an error of a tenth of a body's size to 10⁻⁹ in 14.
 pub(crate) const MOST: usize = 16;
 
+/// The part of what counts as rounding above which contacts that stay closed are mended.
+const CLOSED: f64 = 1e-3;
+
 /// What the last displacement did to the islands of a step.
 #[derive(Debug, Default)]
 pub(crate) struct Progress {
@@ -78,7 +81,10 @@ impl Progress {
         let contact = |(index, contact): (u32, &Contact)| {
             let source = RowSource::Normal { contact: index };
             let bodies = || context.contact_bodies(index).map(Some);
-            contact.gap < 0.0 && self.is_left(context, source, contact.gap, bodies(), 1.0)
+            let closed = context.stays_closed(index);
+            let least = if closed && first { CLOSED } else { 1.0 };
+            (contact.gap < 0.0 || closed)
+                && self.is_left(context, source, contact.gap, bodies(), least)
         };
         (0..).zip(context.contacts).any(contact) || (0..).zip(&context.scene.joints).any(joint)
     }
@@ -133,13 +139,17 @@ fn tolerated(island: &IslandRecord) -> f64 {
 
 /// dt b in units of what counts as rounding: how far a row asks to be displaced.
 fn error(context: &RowContext<'_>, source: RowSource, rhs: f64) -> f64 {
-    let asked = asked(source, rhs);
-    if asked > 0.0 { context.scene.dt * asked / context.slop(source) } else { 0.0 }
+    let asked = asked(context, source, rhs);
+    if asked > 0.0 { context.dt * asked / context.slop(source) } else { 0.0 }
 }
 
 /// The speed at which a row asks to be displaced; negative if it allows to be.
-pub(crate) fn asked(source: RowSource, rhs: f64) -> f64 {
-    if matches!(source, RowSource::Held { .. }) { rhs.abs() } else { rhs }
+pub(crate) fn asked(context: &RowContext<'_>, source: RowSource, rhs: f64) -> f64 {
+    match source {
+        RowSource::Held { .. } => rhs.abs(),
+        RowSource::Normal { contact } if context.stays_closed(contact) => rhs.abs(),
+        _ => rhs,
+    }
 }
 
 fn worst(errors: impl Iterator<Item = f64>) -> f64 {

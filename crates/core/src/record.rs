@@ -6,6 +6,7 @@ use tangency_collision::Contact;
 use tangency_lcp::{Lcp, LcpSolution};
 
 use crate::State;
+use crate::motion::Motion;
 use crate::row::{RowContext, RowSource, SlowRow, Stage};
 use crate::scene::Scene;
 
@@ -57,6 +58,8 @@ pub struct PostRecord {
     pub loose: Vec<bool>,
     /// Rows whose errors it removes in part only, by source.
     pub slow: Vec<SlowRow>,
+    /// Contacts that pressed in a flow, and stay closed; empty if there are none.
+    pub marked: Vec<bool>,
     /// The problems; their velocities are the displacement divided by dt.
     pub islands: Vec<IslandRecord>,
 }
@@ -67,7 +70,21 @@ pub struct PostRecord {
 pub struct StepRecord {
     /// The control that was applied.
     pub control: Vec<f64>,
-    /// Contacts in reach, in the order of their ids.
+    /// How bodies moved.
+    pub motion: Motion,
+    /// How long this lasted, s: the scene's step, the rest of it after the parts, or 0 for impacts.
+    pub dt: f64,
+    /// What the step began with where impacts divide it: flows and impacts, in the order of time. The
+    /// other fields are about what was left of the step.
+    pub parts: Vec<StepRecord>,
+    /// Of an impact the row whose gap closed, and so told its time; `None` where velocities only met
+    /// what joints and resting contacts ask for.
+    pub hit: Option<RowSource>,
+    /// Of a flow the poses at which its rows were evaluated: halfway along the velocities before it.
+    pub midway: Vec<Vector3<f64>>,
+    /// Of an impact which contacts bounced; of anything else empty.
+    pub bounces: Vec<bool>,
+    /// Contacts in the order of their ids: those in reach, or of flows and impacts those that touch.
     pub contacts: Vec<Contact>,
     /// Islands; bodies in none moved freely.
     pub islands: Vec<IslandRecord>,
@@ -117,25 +134,71 @@ pub struct Counts {
     pub plastic_islands: usize,
     /// Islands whose positions could only be mended in part ([`Stage::SoftPost`]).
     pub soft_islands: usize,
+    /// Impacts that divide the step.
+    pub impacts: usize,
+}
+
+impl Counts {
+    /// Takes the work of a part of the step along.
+    fn add(&mut self, part: &Self, record: &StepRecord) {
+        self.iterations += part.iterations;
+        self.factorisations += part.factorisations;
+        self.displacements += part.displacements;
+        self.loose_islands += part.loose_islands;
+        self.plastic_islands += part.plastic_islands;
+        self.soft_islands += part.soft_islands;
+        self.impacts += usize::from(record.hit.is_some());
+    }
 }
 
 impl StepRecord {
     /// What the rows of one of its displacements were evaluated from.
     #[must_use]
     pub fn post_context<'a>(&'a self, scene: &'a Scene, post: &'a PostRecord) -> RowContext<'a> {
-        let (q, v, stage) = (&post.moved, &self.after.v, Stage::Post);
-        let (control, contacts) = (&self.control, &post.contacts);
-        RowContext { scene, stage, q, v, control, contacts, loose: &post.loose, slow: &post.slow }
+        RowContext {
+            scene,
+            stage: Stage::Post,
+            motion: self.motion,
+            dt: self.dt,
+            q: &post.moved,
+            v: &self.after.v,
+            control: &self.control,
+            contacts: &post.contacts,
+            loose: &post.loose,
+            slow: &post.slow,
+            marked: &post.marked,
+        }
+    }
+
+    /// What the rows of its velocities were evaluated from; `before` is the state before.
+    #[must_use]
+    pub fn velocity_context<'a>(&'a self, scene: &'a Scene, before: &'a State) -> RowContext<'a> {
+        let q = if self.motion == Motion::Flow { &self.midway } else { &before.q };
+        RowContext {
+            scene,
+            stage: Stage::Velocity,
+            motion: self.motion,
+            dt: self.dt,
+            q,
+            v: &before.v,
+            control: &self.control,
+            contacts: &self.contacts,
+            loose: &[],
+            slow: &[],
+            marked: &self.bounces,
+        }
     }
 
     /// The worst residual of the step's problems; 0 where none was solved.
     #[must_use]
     pub fn residual(&self) -> f64 {
         let post = self.post.iter().flat_map(|post| &post.islands);
-        self.islands.iter().chain(post).map(|i| i.residual).fold(0.0, f64::max)
+        let own = self.islands.iter().chain(post).map(|i| i.residual).fold(0.0, f64::max);
+        self.parts.iter().map(Self::residual).fold(own, f64::max)
     }
 
-    /// Impulses of the contacts that have any.
+    /// Impulses of the contacts that have any; those of impacts that divide the step are their own
+    /// records' in [`parts`](Self::parts).
     #[must_use]
     pub fn contact_impulses(&self) -> Vec<ContactImpulse> {
         let mut impulses: Vec<ContactImpulse> = Vec::new();
@@ -163,7 +226,7 @@ impl StepRecord {
         impulses
     }
 
-    /// Impulse of the row with this source, N·s or N·m·s, if it was modelled.
+    /// Impulse (of a divided step in its last part) of the row with this source, N·s or N·m·s, if it was modelled.
     #[must_use]
     pub fn impulse(&self, source: RowSource) -> Option<f64> {
         self.islands.iter().find_map(|island| {
@@ -201,6 +264,14 @@ impl StepRecord {
             counts.iterations += island.solution.stats.iterations as usize;
             counts.factorisations += island.solution.stats.factorisations as usize;
         }
+        self.parts.iter().for_each(|part| counts.add(&part.counts(scene), part));
         counts
+    }
+
+    /// Whether impacts went on for longer than the scene divides a step for: the rest of the step was
+    /// one of fixed length.
+    #[must_use]
+    pub fn fell_back(&self) -> bool {
+        self.motion == Motion::Fixed && !self.parts.is_empty()
     }
 }

@@ -39,6 +39,21 @@ pub fn rigid(correction: Correction, position: f64, dt: f64) -> Rhs {
     }
 }
 
+/// Rigid row that the velocities before and after obey together: `J (v⁻ + v⁺) = 0`.
+#[must_use]
+pub fn midway(speed: f64) -> Rhs {
+    Rhs { value: -speed, d_speed: -1.0, ..Rhs::default() }
+}
+
+/// Contact that touches, with restitution e: `b = −e J v⁻`.
+#[must_use]
+pub fn bounce(e: f64, speed: f64) -> Rhs {
+    if e == 0.0 {
+        return Rhs::default();
+    }
+    Rhs { value: -e * speed, d_speed: -e, d_restitution: -speed, ..Rhs::default() }
+}
+
 /// Spring and damper, implicit: `λ = −dt k (φ + dt u) − dt d u` with u = J v⁺, that is
 ///
 /// ```text

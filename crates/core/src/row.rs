@@ -13,10 +13,11 @@ use tangency_lcp::Law;
 
 use crate::frames::Frames;
 use crate::model::{Control, Joint, JointRow};
+use crate::motion::Motion;
 use crate::rhs::{self, Rhs, Unilateral};
 use crate::scene::Scene;
 pub use crate::stage::Stage;
-use crate::{ContactModel, Correction};
+use crate::{ContactModel, Correction, State};
 
 /// Where a row comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -85,6 +86,10 @@ pub struct RowContext<'a> {
     pub scene: &'a Scene,
     /// Which problem.
     pub stage: Stage,
+    /// How bodies move in this part of the step.
+    pub motion: Motion,
+    /// How long this part of the step lasts, s; 0 for impacts.
+    pub dt: f64,
     /// Poses that the rows are evaluated at.
     pub q: &'a [Pose],
     /// Velocities before the step.
@@ -98,6 +103,28 @@ pub struct RowContext<'a> {
     pub loose: &'a [bool],
     /// Rows whose errors a displacement removes in part only, by source; all others at once.
     pub slow: &'a [SlowRow],
+    /// Of an impact the contacts that bounce; of a displacement after a flow those that pressed and
+    /// stay closed. Empty if there are none.
+    pub marked: &'a [bool],
+}
+
+impl<'a> RowContext<'a> {
+    /// The velocities of a step of length `dt` from a state, without contacts.
+    pub(crate) fn of(scene: &'a Scene, state: &'a State, control: &'a [f64], dt: f64) -> Self {
+        Self {
+            scene,
+            stage: Stage::Velocity,
+            motion: Motion::Fixed,
+            dt,
+            q: &state.q,
+            v: &state.v,
+            control,
+            contacts: &[],
+            loose: &[],
+            slow: &[],
+            marked: &[],
+        }
+    }
 }
 
 impl RowContext<'_> {
@@ -185,8 +212,17 @@ impl RowContext<'_> {
     pub fn rhs(&self, source: RowSource, value: f64, speed: f64) -> Rhs {
         match (self.stage, source) {
             (_, RowSource::Tangent { .. }) => Rhs::default(),
-            (_, RowSource::Held { joint, row }) => self.held_rhs(joint, row, value),
+            (_, RowSource::Held { joint, row }) => self.held_rhs(joint, row, value, speed),
             (Stage::Post | Stage::SoftPost, _) => self.post_rhs(source, value),
+            (stage, RowSource::Normal { contact }) if self.motion != Motion::Fixed => {
+                let bounces = stage != Stage::Plastic && self.is_marked(contact);
+                rhs::bounce(if bounces { self.restitution(contact) } else { 0.0 }, speed)
+            }
+            (_, RowSource::Lower { .. } | RowSource::Upper { .. })
+                if self.motion != Motion::Fixed =>
+            {
+                Rhs::default()
+            }
             (_, RowSource::Lower { joint } | RowSource::Upper { joint }) => {
                 let rule = Unilateral {
                     model: ContactModel::Gap,
@@ -199,9 +235,8 @@ impl RowContext<'_> {
                 Rhs { value: self.motor_speed(joint), ..Rhs::default() }
             }
             (stage, RowSource::Normal { contact }) => {
-                let [a, b] = self.contact_bodies(contact);
                 let bounces = stage != Stage::Plastic;
-                let e = if bounces { self.scene.pair_restitution(a, b).value } else { 0.0 };
+                let e = if bounces { self.restitution(contact) } else { 0.0 };
                 let correction = self.scene.def.stabilisation.contacts;
                 self.unilateral(self.contact_slop(contact), correction).rhs(value, speed, e)
             }
@@ -212,22 +247,26 @@ impl RowContext<'_> {
     /// their position errors φ: b = φ ∂b/∂φ.
     pub(crate) fn common_rhs(&self, joint: u32) -> Option<Rhs> {
         let linear = self.stage.is_velocity() && !self.stage.drifts();
-        linear.then(|| self.held_rhs(joint, 0, 0.0))
+        (linear && self.motion == Motion::Fixed).then(|| self.held_rhs(joint, 0, 0.0, 0.0))
     }
 
     /// Right-hand side of a row that a joint holds, as [`rhs`](Self::rhs).
-    pub(crate) fn held_rhs(&self, joint: u32, row: u32, value: f64) -> Rhs {
+    pub(crate) fn held_rhs(&self, joint: u32, row: u32, value: f64, speed: f64) -> Rhs {
         if !self.stage.is_velocity() {
             return self.post_rhs(RowSource::Held { joint, row }, value);
         }
-        let (dt, joints) = (self.scene.dt, self.scene.def.stabilisation.joints);
+        let dt = self.dt;
         if let Some(softness) = self.joint(joint).softness {
             return rhs::soft(softness, value, dt);
         }
         if self.stage.drifts() && self.is_drift(joint, row, value) {
             return Rhs::default();
         }
-        rhs::rigid(joints, value, dt)
+        match self.motion {
+            Motion::Fixed => rhs::rigid(self.scene.def.stabilisation.joints, value, dt),
+            Motion::Flow => rhs::midway(speed),
+            Motion::Impact => Rhs::default(),
+        }
     }
 
     /// Greatest speed at which a displacement moves a row, m/s or rad/s.
@@ -256,7 +295,7 @@ impl RowContext<'_> {
     }
 
     fn post_rhs(&self, source: RowSource, value: f64) -> Rhs {
-        let (dt, speed) = (self.scene.dt, self.greatest_speed(source));
+        let (dt, speed) = (self.dt, self.greatest_speed(source));
         let mends = match source {
             RowSource::Normal { contact } | RowSource::Tangent { contact } => {
                 self.mends_contact(contact)
@@ -269,6 +308,9 @@ impl RowContext<'_> {
         match source {
             RowSource::Held { .. } if mends => rhs::post_joint(value, dt, speed),
             RowSource::Held { .. } | RowSource::Motor { .. } => Rhs::default(),
+            RowSource::Normal { contact } if self.is_marked(contact) => {
+                rhs::post_joint(value, dt, f64::INFINITY)
+            }
             _ if value > 0.0 || mends => rhs::post_gap(value, dt, speed),
             _ => Rhs::default(),
         }
@@ -288,6 +330,7 @@ impl RowContext<'_> {
 
     fn mends(&self, correction: Correction, bodies: [Option<usize>; 2]) -> bool {
         match correction {
+            _ if self.motion == Motion::Flow => true,
             Correction::None => false,
             Correction::Post => true,
             Correction::Baumgarte { .. } => {
@@ -313,9 +356,25 @@ impl RowContext<'_> {
     /// The law of a joint's motor row.
     pub(crate) fn motor_law(&self, joint: u32) -> Law {
         match self.joint(joint).motor.and_then(|m| m.max) {
-            Some(max) => Law::Bounded { max: max * self.scene.dt },
+            Some(max) => Law::Bounded { max: max * self.dt },
             None => Law::Equality,
         }
+    }
+
+    /// Restitution of a contact's bodies.
+    fn restitution(&self, contact: u32) -> f64 {
+        let [a, b] = self.contact_bodies(contact);
+        self.scene.pair_restitution(a, b).value
+    }
+
+    /// Whether a contact is marked.
+    fn is_marked(&self, contact: u32) -> bool {
+        self.marked.get(contact as usize) == Some(&true)
+    }
+
+    /// Whether a displacement keeps a contact closed, rather than only from penetrating.
+    pub(crate) fn stays_closed(&self, contact: u32) -> bool {
+        !self.stage.is_velocity() && self.is_marked(contact)
     }
 
     /// Target speed of a joint's motor, controls included, rad/s or m/s.
@@ -355,7 +414,7 @@ impl RowContext<'_> {
     }
 
     fn unilateral(&self, slop: f64, correction: Correction) -> Unilateral {
-        let (def, dt) = (&self.scene.def, self.scene.dt);
+        let (def, dt) = (&self.scene.def, self.dt);
         let recovery_speed = def.recovery_speed;
         // What may stay asks for nothing, not even below the slop.
         let (correction, slop) =

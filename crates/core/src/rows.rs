@@ -6,6 +6,7 @@ use tangency_lcp::{Law, NO_BODY, Row};
 use crate::frames::Frames;
 use crate::measure::{Arms, MeasureValue};
 use crate::model::JointRow;
+use crate::motion::Motion;
 use crate::reach::Groups;
 use crate::rhs::Rhs;
 use crate::row::{RowContext, RowGeometry, RowSource};
@@ -14,22 +15,24 @@ use crate::row::{RowContext, RowGeometry, RowSource};
 #[derive(Debug, Default)]
 pub(crate) struct Rows {
     pub(crate) sources: Vec<RowSource>,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) list: Vec<Row>,
+    /// Of flows and impacts the limits that are reached; others have no row.
+    pub(crate) reached: Vec<RowSource>,
 }
 
 impl Rows {
     /// All rows of the step, joints first, each friction row behind its normal row. `frames` are those
     /// of the context's poses.
-    pub(crate) fn list(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
+    pub(crate) fn fill(&mut self, context: &RowContext<'_>, frames: &Frames, groups: &Groups) {
         self.sources.clear();
-        self.rows.clear();
+        self.list.clear();
         // The lists may end in a record: they take no more than they need.
         let held: usize = context.scene.joints.iter().map(|joint| joint.held.len()).sum();
         self.sources.reserve_exact(held + 2 * context.contacts.len());
-        self.rows.reserve_exact(held + 2 * context.contacts.len());
-        let post = !context.stage.is_velocity();
+        self.list.reserve_exact(held + 2 * context.contacts.len());
+        let soft = context.stage.is_velocity() && context.motion.lasts(context.dt);
         for (index, joint) in (0_u32..).zip(&context.scene.joints) {
-            if post && joint.softness.is_some() {
+            if joint.softness.is_some() && !soft {
                 continue;
             }
             self.list_held(context, frames, index);
@@ -52,9 +55,14 @@ impl Rows {
         let held = |(row, held): (usize, &JointRow)| {
             let MeasureValue { value, jacobian } = held.measure.evaluate_on(&arms, sides);
             let value = value - held.reference;
-            let own = || context.held_rhs(index, number(row), value);
-            let of_all = |rhs: Rhs| Rhs { value: rhs.d_position * value, ..rhs };
-            let Rhs { value: mut rhs, compliance, .. } = common.map_or_else(own, of_all);
+            let (mut rhs, compliance) = if let Some(common) = common {
+                (common.d_position * value, common.compliance)
+            } else {
+                let geometry = RowGeometry { bodies: joint.bodies, value, jacobian };
+                let speed = context.speed(&geometry);
+                let own = context.held_rhs(index, number(row), value, speed);
+                (own.value, own.compliance)
+            };
             if driven {
                 rhs -=
                     driven_speed(context, &RowGeometry { bodies: joint.bodies, value, jacobian });
@@ -63,7 +71,7 @@ impl Rows {
             Row { bodies: joint.unknowns, jacobian, rhs, compliance, law: Law::Equality }
         };
         self.sources.extend(joint.held.iter().enumerate().map(source));
-        self.rows.extend(joint.held.iter().enumerate().map(held));
+        self.list.extend(joint.held.iter().enumerate().map(held));
     }
 
     /// Limits in reach, and the motor.
@@ -81,7 +89,9 @@ impl Rows {
         if joint.limits.upper.is_some() {
             self.push_limit(context, frames, RowSource::Upper { joint: index }, groups);
         }
-        if joint.motor.is_some() && context.stage.is_velocity() {
+        let weak = joint.motor.is_some_and(|motor| motor.max.is_some());
+        let drives = context.stage.is_velocity() && !(weak && context.motion == Motion::Impact);
+        if joint.motor.is_some() && drives {
             let source = RowSource::Motor { joint: index };
             let law = context.motor_law(index);
             self.push(context, source, &context.geometry_in(source, frames), law);
@@ -94,14 +104,16 @@ impl Rows {
                 continue; // moved until two points coincide: nothing to mend, and no direction
             }
             let [normal, tangent] = context.contact_geometries(contact);
-            self.push(context, RowSource::Normal { contact: index }, &normal, Law::Unilateral);
+            let closed = context.stays_closed(index);
+            let law = if closed { Law::Equality } else { Law::Unilateral };
+            self.push(context, RowSource::Normal { contact: index }, &normal, law);
             if !context.stage.is_velocity() {
                 continue;
             }
             let [a, b] = context.contact_bodies(index);
             let mu = context.scene.pair_friction(a, b).value;
             if mu > 0.0 {
-                let law = Law::Friction { normal: number(self.rows.len() - 1), mu };
+                let law = Law::Friction { normal: number(self.list.len() - 1), mu };
                 self.push(context, RowSource::Tangent { contact: index }, &tangent, law);
             }
         }
@@ -116,6 +128,12 @@ impl Rows {
         groups: &Groups,
     ) {
         let geometry = context.geometry_in(source, frames);
+        if context.motion != Motion::Fixed {
+            if self.reached.contains(&source) {
+                self.push(context, source, &geometry, Law::Unilateral);
+            }
+            return;
+        }
         let reach = groups.of_joint(geometry.bodies);
         let travel = |j: &Vector3<f64>| j.xy().norm() * reach.linear + j.z.abs() * reach.angular;
         let bound: f64 = geometry.jacobian.iter().map(travel).sum();
@@ -148,7 +166,7 @@ impl Rows {
         }
         set_right_side(context, source, geometry, &mut row);
         self.sources.push(source);
-        self.rows.push(row);
+        self.list.push(row);
     }
 }
 
@@ -162,6 +180,9 @@ pub(crate) fn set_right_side(
     let rhs = match source {
         RowSource::Tangent { .. } => Rhs::default(),
         RowSource::Normal { .. } => context.rhs(source, geometry.value, context.speed(geometry)),
+        RowSource::Held { .. } if context.motion == Motion::Flow => {
+            context.rhs(source, geometry.value, context.speed(geometry))
+        }
         _ => context.rhs(source, geometry.value, 0.0),
     };
     (row.rhs, row.compliance) = (rhs.value, rhs.compliance);

@@ -13,7 +13,9 @@ use crate::material::{self, Mixed};
 use crate::model::{Body, Control, Force, Joint, Pair};
 use crate::pair_rules::{PairRule, PairRules};
 use crate::reach::JointGroups;
-use crate::{BodyKind, ContactModel, Correction, SceneDef, SceneError, Stabilisation, State};
+use crate::{
+    BodyKind, ContactModel, Correction, SceneDef, SceneError, Stabilisation, State, Stepping,
+};
 
 /// A checked scene. Its numbers may be read freely and are changed through
 /// [`Scene::set`](crate::Scene::set).
@@ -136,6 +138,12 @@ impl Scene {
     #[must_use]
     pub fn controls(&self) -> &[Control] {
         &self.controls
+    }
+
+    /// How steps treat impacts.
+    #[must_use]
+    pub fn stepping(&self) -> Stepping {
+        self.def.stepping
     }
 
     /// What a contact constrains.
@@ -280,6 +288,9 @@ fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
         return Err(SceneError::Value { path, value, expected });
     }
     if let ContactModel::Velocity { contact_distance } = def.contact_model {
+        if def.stepping != Stepping::Fixed {
+            return conflict("stepping".into(), "located impacts need the contact model `gap`");
+        }
         positive(contact_distance, "contact_model.velocity.contact_distance")?;
     }
     let corrections =

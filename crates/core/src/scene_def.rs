@@ -20,6 +20,8 @@ pub struct SceneDef {
     pub dt: f64,
     /// How long a run lasts unless told otherwise, s.
     pub duration: f64,
+    /// How steps treat impacts.
+    pub stepping: Stepping,
     /// What a contact constrains.
     pub contact_model: ContactModel,
     /// How position errors are removed.
@@ -52,6 +54,7 @@ impl Default for SceneDef {
             gravity: [0.0, -9.81],
             dt: 0.01,
             duration: 1.0,
+            stepping: Stepping::Fixed,
             contact_model: ContactModel::Gap,
             stabilisation: Stabilisation::default(),
             recovery_speed: 1.0,
@@ -64,6 +67,28 @@ impl Default for SceneDef {
             pairs: Vec::new(),
         }
     }
+}
+
+/// How steps treat impacts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Stepping {
+    /// Every step is one of length dt (semi-implicit Euler): what closes within it bounces at its
+    /// beginning. The fastest.
+    #[default]
+    Fixed,
+    /// Steps are divided where a gap or a limit closes: the time is located, and the impact solved
+    /// there. Free flight is exact for constant forces, and derivatives through bounces are those of
+    /// the motion.
+    ImpactResolved {
+        /// Impacts that divide one step; after these, the rest of the step is one of fixed length.
+        #[serde(default = "most_impacts")]
+        max_impacts: u32,
+    },
+}
+
+fn most_impacts() -> u32 {
+    8
 }
 
 /// What a contact constrains. Both use Newton's law of restitution, for all contacts of a step at

@@ -8,6 +8,7 @@ use crate::detect::Detection;
 use crate::frames::Frames;
 use crate::guess::Places;
 use crate::island::{Groups, Island};
+use crate::motion::Motion;
 use crate::progress::Progress;
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::{RowSource, SlowRow};
@@ -44,7 +45,12 @@ pub struct StepScratch {
 impl StepScratch {
     /// Takes the memory of a record that is needed no more.
     pub fn recycle(&mut self, record: StepRecord) {
-        let StepRecord { control, contacts, islands, post, after } = record;
+        let StepRecord { control, contacts, islands, post, after, .. } = record;
+        if record.motion != Motion::Fixed || !record.parts.is_empty() {
+            record.parts.into_iter().for_each(|part| self.recycle(part));
+            self.vectors.give(record.midway);
+            self.flags.give(record.bounces);
+        }
         self.floats.give(control);
         self.contacts.give(contacts);
         self.recycle_islands(islands);
@@ -58,6 +64,7 @@ impl StepScratch {
     /// Takes the memory of the factored systems of a record that is kept, but rarely differentiated: a
     /// derivative then factors them again, to the same bits.
     pub fn recycle_systems(&mut self, record: &mut StepRecord) {
+        record.parts.iter_mut().for_each(|part| self.recycle_systems(part));
         let post = record.post.iter_mut().flat_map(|post| &mut post.islands);
         for island in record.islands.iter_mut().chain(post) {
             self.lcp.recycle_system(&mut island.solution);
@@ -76,7 +83,8 @@ impl StepScratch {
 
     /// Takes the memory of a displacement.
     pub(crate) fn recycle_post(&mut self, post: PostRecord) {
-        let PostRecord { moved, contacts, loose, slow, islands } = post;
+        let PostRecord { moved, contacts, loose, slow, marked, islands } = post;
+        self.flags.give(marked);
         self.vectors.give(moved);
         self.contacts.give(contacts);
         self.flags.give(loose);

@@ -4,7 +4,7 @@
 //!  contacts and limits in reach  →  islands  →  v⁺ = M⁻¹(p + Σ Jᵢᵀ λᵢ)  →  q⁺ = q + dt v⁺
 //! ```
 //!
-//! and, only where positions are then wrong by more than rounding, displacements of least
+//! (or, where impacts are located, several such parts, see [`Motion`]) and, only where positions are then wrong by more than rounding, displacements of least
 //! mass-weighted size that mend them: q⁺ += dt w.
 
 use nalgebra::Vector3;
@@ -14,12 +14,14 @@ use tangency_lcp::LcpSolver;
 use crate::island::{Island, assemble};
 use crate::mend::mend_positions;
 use crate::momentum::momentum_into;
+use crate::motion::Motion;
 use crate::record::{IslandRecord, StepRecord};
-use crate::row::{RowContext, Stage};
+use crate::resolve::Division;
+use crate::row::RowContext;
 use crate::scene::Scene;
 use crate::scratch::StepScratch;
 use crate::solve::solve;
-use crate::{State, StepError};
+use crate::{State, StepError, Stepping};
 
 /// Advances `state` by one step under `control` (one number per control channel).
 ///
@@ -63,18 +65,47 @@ fn advance(
     scratch: &mut StepScratch,
 ) -> Result<StepRecord, StepError> {
     check_input(scene, state, control)?;
-    let Setup { contacts, islands, momentum } = set_up(scene, state, control, scratch)?;
+    match scene.def.stepping {
+        Stepping::Fixed => fixed(scene, solver, state, before, control, scene.dt, scratch),
+        Stepping::ImpactResolved { max_impacts } => {
+            let division = Division { scene, solver, control, max_impacts };
+            division.step(state, before, scratch)
+        }
+    }
+}
+
+/// A step of length `dt` with rows for all that is in reach.
+pub(crate) fn fixed(
+    scene: &Scene,
+    solver: &dyn LcpSolver,
+    state: &State,
+    before: Option<&StepRecord>,
+    control: &[f64],
+    dt: f64,
+    scratch: &mut StepScratch,
+) -> Result<StepRecord, StepError> {
+    let Setup { contacts, islands, momentum } = set_up(scene, state, control, dt, scratch)?;
     if let Some(before) = before {
         scratch.places.find(before, &contacts);
     }
-    let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context =
-        RowContext { scene, stage, q, v, control, contacts: &contacts, loose: &[], slow: &[] };
+    let context = RowContext::of(scene, state, control, dt);
+    let context = RowContext { contacts: &contacts, ..context };
     let islands = solve(&context, solver, state.time, before, islands, scratch)?;
-    let after = integrate(scene, state, &momentum, &islands, scratch);
+    let after = integrate(&context, state, &momentum, &islands, scratch);
     scratch.vectors.give(momentum);
-    let control = scratch.copy_control(control);
-    let mut record = StepRecord { control, contacts, islands, post: Vec::new(), after };
+    let mut record = StepRecord {
+        control: scratch.copy_control(control),
+        motion: Motion::Fixed,
+        dt,
+        parts: Vec::new(),
+        hit: None,
+        midway: Vec::new(),
+        bounces: Vec::new(),
+        contacts,
+        islands,
+        post: Vec::new(),
+        after,
+    };
     mend_positions(scene, solver, &state.q, &mut record, scratch)?;
     record.after.check(scene.bodies.len())?;
     Ok(record)
@@ -91,33 +122,35 @@ pub(crate) fn set_up(
     scene: &Scene,
     state: &State,
     control: &[f64],
+    dt: f64,
     scratch: &mut StepScratch,
 ) -> Result<Setup, StepError> {
     scratch.frames.place(&state.q);
-    let (q, v, stage) = (&state.q, &state.v, Stage::Velocity);
-    let context = RowContext { scene, stage, q, v, control, contacts: &[], loose: &[], slow: &[] };
+    let context = RowContext::of(scene, state, control, dt);
     let mut momentum = scratch.vectors.take();
     momentum_into(&context, &scratch.frames, state.time, &mut momentum);
     let mut contacts = scratch.contacts.take();
     scratch.detection.detect(scene, state, scratch.frames.bodies(), &momentum, &mut contacts)?;
     let context = RowContext { contacts: &contacts, ..context };
     let mut rows = std::mem::take(&mut scratch.rows);
-    rows.list(&context, &scratch.frames, scratch.detection.groups());
+    rows.fill(&context, &scratch.frames, scratch.detection.groups());
     let islands = assemble(&context, &momentum, &mut rows, scratch);
     scratch.rows = rows;
     Ok(Setup { contacts, islands, momentum })
 }
 
-/// v⁺ from the islands, or p/m where nothing acts; q⁺ = q + dt v⁺ (semi-implicit Euler).
-fn integrate(
-    scene: &Scene,
+/// v⁺ from the islands, or p/m where nothing acts; q⁺ as the context's motion says.
+#[inline]
+pub(crate) fn integrate(
+    context: &RowContext<'_>,
     state: &State,
     momentum: &[Vector3<f64>],
     islands: &[IslandRecord],
     scratch: &mut StepScratch,
 ) -> State {
+    let (scene, dt) = (context.scene, context.dt);
     let mut after = scratch.copy(state);
-    after.time += scene.dt;
+    after.time += dt;
     let bound: usize = islands.iter().map(|island| island.bodies.len()).sum();
     if bound < after.v.len() {
         for (i, v) in after.v.iter_mut().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
@@ -129,8 +162,13 @@ fn integrate(
             after.v[*body as usize] = *v;
         }
     }
-    for (q, v) in after.q.iter_mut().zip(&after.v) {
-        *q += scene.dt * v;
+    let moved = after.q.iter_mut().zip(&after.v);
+    match context.motion {
+        Motion::Fixed => moved.for_each(|(q, v)| *q += dt * v),
+        Motion::Flow => {
+            moved.zip(&state.v).for_each(|((q, after), before)| *q += 0.5 * dt * (before + after));
+        }
+        Motion::Impact => {}
     }
     after
 }

@@ -20,6 +20,7 @@ mod shape;
 mod softening;
 mod vector;
 // steps and rollouts,
+mod division;
 mod error;
 mod report;
 mod reverse;

@@ -25,21 +25,21 @@ pub(crate) fn vjp(
     for (i, body) in scene.bodies().iter().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
         let (g, p_bar) = (gravity(scene, i), &p_bar[i]);
         bars.state.v[i] += body.mass.component_mul(p_bar);
-        bars.scene.bodies[i].mass += p_bar.component_mul(&(context.v[i] + g * scene.dt()));
-        bars.scene.gravity += p_bar.xy() * (body.mass.x * scene.dt() * body.gravity_scale);
+        bars.scene.bodies[i].mass += p_bar.component_mul(&(context.v[i] + g * context.dt));
+        bars.scene.gravity += p_bar.xy() * (body.mass.x * context.dt * body.gravity_scale);
         bars.scene.dt += p_bar.dot(&body.mass.component_mul(&g));
     }
     for (k, force) in scene.forces().iter().enumerate().filter(|(_, f)| scene.is_dynamic(f.body)) {
-        let (by_time, by_dt) = overlap_derivative(force, time, scene.dt());
+        let (by_time, by_dt) = overlap_derivative(force, time, context.dt);
         let power = force.wrench.dot(&p_bar[force.body]);
-        bars.scene.forces[k] += p_bar[force.body] * overlap(force, time, scene.dt());
+        bars.scene.forces[k] += p_bar[force.body] * overlap(force, time, context.dt);
         bars.state.time += by_time * power;
         bars.scene.dt += by_dt * power;
     }
     for (channel, (input, u)) in scene.controls().iter().zip(context.control).enumerate() {
         match *input {
             Control::Wrench { body, component } => {
-                bars.control[channel] += scene.dt() * p_bar[body][component];
+                bars.control[channel] += context.dt * p_bar[body][component];
                 bars.scene.dt += u * p_bar[body][component];
             }
             Control::JointForce { joint } => {
@@ -53,9 +53,9 @@ pub(crate) fn vjp(
                 let sides = place.bodies().map(pushed);
                 let [j_a, j_b] = &shape.jacobian;
                 let power = j_a.dot(&sides[0]) + j_b.dot(&sides[1]);
-                bars.control[channel] += scene.dt() * power;
+                bars.control[channel] += context.dt * power;
                 bars.scene.dt += u * power;
-                let j_bar = sides.map(|side| side * (scene.dt() * u));
+                let j_bar = sides.map(|side| side * (context.dt * u));
                 place.add_row(&free.measure, &j_bar, 0.0);
                 place.pull_back(bars);
             }
@@ -69,19 +69,19 @@ pub(crate) fn jvp(context: &RowContext<'_>, time: f64, along: &Direction<'_>) ->
     let scene = context.scene;
     let mut p = vec![Vector3::zeros(); scene.bodies().len()];
     for (i, body) in scene.bodies().iter().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
-        let (g, dt) = (gravity(scene, i), scene.dt());
+        let (g, dt) = (gravity(scene, i), context.dt);
         let dg = along.scene.gravity * body.gravity_scale;
         let dv = along.state.v[i] + Vector3::new(dg.x, dg.y, 0.0) * dt + g * along.scene.dt;
         let dm = along.scene.bodies[i].mass.component_mul(&(context.v[i] + g * dt));
         p[i] = body.mass.component_mul(&dv) + dm;
     }
     for (k, force) in scene.forces().iter().enumerate().filter(|(_, f)| scene.is_dynamic(f.body)) {
-        let (by_time, by_dt) = overlap_derivative(force, time, scene.dt());
-        p[force.body] += along.scene.forces[k] * overlap(force, time, scene.dt());
+        let (by_time, by_dt) = overlap_derivative(force, time, context.dt);
+        p[force.body] += along.scene.forces[k] * overlap(force, time, context.dt);
         p[force.body] += force.wrench * (by_time * along.state.time + by_dt * along.scene.dt);
     }
     for (channel, (input, u)) in scene.controls().iter().zip(context.control).enumerate() {
-        let rate = scene.dt() * along.control[channel] + along.scene.dt * u;
+        let rate = context.dt * along.control[channel] + along.scene.dt * u;
         match *input {
             Control::Wrench { body, component } => p[body][component] += rate,
             Control::JointForce { joint } => {
@@ -90,7 +90,7 @@ pub(crate) fn jvp(context: &RowContext<'_>, time: f64, along: &Direction<'_>) ->
                 let (dj, _) = joint_row::geometry_jvp(context, index, free, along);
                 for (s, j) in row.jacobian.iter().enumerate() {
                     if let Some(b) = row.bodies[s].filter(|b| scene.is_dynamic(*b)) {
-                        p[b] += j * rate + dj.fixed_rows::<3>(3 * s) * (scene.dt() * u);
+                        p[b] += j * rate + dj.fixed_rows::<3>(3 * s) * (context.dt * u);
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! What was not smooth along a gradient.
 
 use tangency_core::row::{RowContext, Stage};
-use tangency_core::{ContactModel, IslandRecord, RowSource};
+use tangency_core::{ContactModel, IslandRecord, Motion, RowSource};
 
 use crate::lcp::{LcpGradientReport, WEAK_MARGIN, WeakKind, WeakRow};
 
@@ -16,6 +16,10 @@ pub enum Switch {
     Saturating,
     /// Reaching the other body within the step, and so bouncing off it, or just not.
     Bouncing,
+    /// Several gaps that close at once: the time of the impact is that of the row named here.
+    Together,
+    /// Closing so slowly, for how fast it moves, that the time of the impact is ill-conditioned.
+    Grazing,
 }
 
 impl From<WeakKind> for Switch {
@@ -33,6 +37,9 @@ impl From<WeakKind> for Switch {
 pub struct OneSided {
     /// The step.
     pub step: usize,
+    /// Which of the step's [`parts`](tangency_core::StepRecord::parts) has the row; `None` for what was
+    /// left of the step, and where nothing divides it.
+    pub part: Option<usize>,
     /// The row.
     pub source: RowSource,
     /// Between which pieces.
@@ -61,16 +68,26 @@ pub struct GradientReport {
     /// Islands in which restitution or the correction of positions gave way; the derivative is that
     /// of the problem that was solved.
     pub gave_way: Vec<GaveWay>,
+    /// Steps in which more impacts were in reach than the scene divides a step for, so that their rest
+    /// was one of fixed length.
+    pub fell_back: Vec<usize>,
     step: usize,
+    part: Option<usize>,
 }
 
 impl GradientReport {
     pub(crate) fn begin(&mut self, step: usize) {
         self.step = step;
+        self.part = None;
+    }
+
+    /// What follows is about a part of the step, or what was left of it.
+    pub(crate) fn go_to(&mut self, part: Option<usize>) {
+        self.part = part;
     }
 
     pub(crate) fn add(&mut self, island: &IslandRecord, report: &LcpGradientReport) {
-        let step = self.step;
+        let (step, part) = (self.step, self.part);
         if report.rank_defect > 0 && self.dependent_rows.last() != Some(&step) {
             self.dependent_rows.push(step);
         }
@@ -79,6 +96,7 @@ impl GradientReport {
         }
         let row = |weak: &WeakRow| OneSided {
             step,
+            part,
             source: island.sources[weak.row as usize],
             kind: weak.kind.into(),
             stage: island.stage,
@@ -89,16 +107,28 @@ impl GradientReport {
     /// Adds the contacts for which `gap + dt Jₙ v⁻` is zero to rounding, the switch of restitution.
     pub(crate) fn add_bounces(&mut self, context: &RowContext<'_>, island: &IslandRecord) {
         let bounces = island.stage != Stage::Plastic;
-        let gaps =
-            context.scene.contact_model() == ContactModel::Gap && !context.contacts.is_empty();
+        let gaps = context.motion == Motion::Fixed
+            && context.scene.contact_model() == ContactModel::Gap
+            && !context.contacts.is_empty();
         if !gaps || !bounces {
             return;
         }
-        let step = self.step;
+        let (step, part) = (self.step, self.part);
         let at_switch = island.sources.iter().filter(|source| at_bounce(context, **source));
         let (kind, stage) = (Switch::Bouncing, island.stage);
-        let one_sided = |source: &RowSource| OneSided { step, source: *source, kind, stage };
+        let one_sided = |source: &RowSource| OneSided { step, part, source: *source, kind, stage };
         self.one_sided.extend(at_switch.map(one_sided));
+    }
+
+    /// Adds a row at a switch.
+    pub(crate) fn add_switch(&mut self, source: RowSource, kind: Switch) {
+        let (step, part, stage) = (self.step, self.part, Stage::Velocity);
+        self.one_sided.push(OneSided { step, part, source, kind, stage });
+    }
+
+    /// Adds a step that fell back to a fixed length.
+    pub(crate) fn add_fall_back(&mut self) {
+        self.fell_back.push(self.step);
     }
 
     /// Reverse mode meets the last step first; users read the first one first.
@@ -106,6 +136,7 @@ impl GradientReport {
         self.one_sided.reverse();
         self.dependent_rows.reverse();
         self.gave_way.reverse();
+        self.fell_back.reverse();
     }
 }
 
@@ -116,7 +147,7 @@ fn at_bounce(context: &RowContext<'_>, source: RowSource) -> bool {
     if gap <= 0.0 {
         return false;
     }
-    let travel = context.scene.dt() * context.speed(&context.geometry(source));
+    let travel = context.dt * context.speed(&context.geometry(source));
     let [a, b] = context.contact_bodies(contact);
     (gap + travel).abs() <= WEAK_MARGIN * gap
         && gap > context.contact_slop(contact)

@@ -2,13 +2,12 @@
 
 use nalgebra::Vector3;
 use tangency_core::row::RowContext;
-use tangency_core::{IslandRecord, PostRecord, Scene, State, StepRecord};
+use tangency_core::{IslandRecord, Motion, PostRecord, Scene, State, StepRecord};
 
 use crate::error::DiffError;
 use crate::lcp::LcpAdjoint;
 use crate::report::GradientReport;
 use crate::rotations::Rotations;
-use crate::step::velocity_context;
 use crate::vector::Bars;
 use crate::{island, momentum, sizes};
 
@@ -16,7 +15,7 @@ use crate::{island, momentum, sizes};
 #[derive(Debug, Default)]
 pub(crate) struct Reverse {
     adjoint: LcpAdjoint,
-    rotations: Rotations,
+    pub(crate) rotations: Rotations,
     /// ∂L/∂v⁺, or by the displacement, per body of an island.
     seed: Vec<Vector3<f64>>,
     /// ∂L/∂v⁺ per body.
@@ -25,6 +24,8 @@ pub(crate) struct Reverse {
     p_bar: Vec<Vector3<f64>>,
     /// Which bodies have rows.
     bound: Vec<bool>,
+    /// ∂L/∂q⁺ of a flow while the gradient by the poses of its rows is collected.
+    q_bar: Vec<Vector3<f64>>,
 }
 
 impl Reverse {
@@ -38,14 +39,39 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
+        if record.parts.is_empty() {
+            self.part(scene, before, record, bars, report)?;
+        } else {
+            self.division(scene, before, record, bars, report)?;
+        }
+        sizes::state_vector("the gradient by a state", scene, bars.state)?;
+        sizes::finite("the gradient by a control", bars.control.iter().all(|u| u.is_finite()))
+    }
+
+    /// The same for a step that is not divided, or for a part of one; `bars.scene.dt` collects the
+    /// gradient by its length.
+    pub(crate) fn part(
+        &mut self,
+        scene: &Scene,
+        before: &State,
+        record: &StepRecord,
+        bars: &mut Bars<'_>,
+        report: &mut GradientReport,
+    ) -> Result<(), DiffError> {
         for post in record.post.iter().rev() {
             self.displacement(scene, record, post, bars, report)?;
         }
-        self.motion(scene, record, bars);
+        self.motion(before, record, bars);
+        let flows = record.motion == Motion::Flow;
+        if flows {
+            self.q_bar.clear();
+            self.q_bar.resize(bars.state.q.len(), Vector3::zeros());
+            std::mem::swap(&mut self.q_bar, &mut bars.state.q);
+        }
         // v⁺ from the islands, from p/m in free flight, or driven.
         self.free_flight(scene, record, bars);
         self.rotations.renew(before.q.len());
-        let context = velocity_context(scene, before, record);
+        let context = record.velocity_context(scene, before);
         for island in &record.islands {
             self.seed.clear();
             self.seed.extend(island.bodies.iter().map(|body| self.v_bar[*body as usize]));
@@ -56,8 +82,20 @@ impl Reverse {
             }
         }
         momentum::vjp(&context, before.time, &self.p_bar, &mut self.rotations, bars);
-        sizes::state_vector("the gradient by a state", scene, bars.state)?;
-        sizes::finite("the gradient by a control", bars.control.iter().all(|u| u.is_finite()))
+        if flows {
+            self.midway(before, record, bars);
+        }
+        Ok(())
+    }
+
+    /// q + ½ h v⁻ of the rows: shares the gradient by it out, and adds that by q⁺.
+    fn midway(&self, before: &State, record: &StepRecord, bars: &mut Bars<'_>) {
+        let state = &mut *bars.state;
+        for (i, (q, v)) in state.q.iter_mut().zip(&mut state.v).enumerate() {
+            *v += *q * (0.5 * record.dt);
+            bars.scene.dt += 0.5 * q.dot(&before.v[i]);
+            *q += self.q_bar[i];
+        }
     }
 
     /// q̃ + dt w: turns the gradient by it into that by q̃.
@@ -76,7 +114,7 @@ impl Reverse {
             for (body, w) in island.bodies.iter().zip(&island.solution.velocities) {
                 let q_bar = bars.state.q[*body as usize];
                 bars.scene.dt += q_bar.dot(w);
-                self.seed.push(q_bar * scene.dt());
+                self.seed.push(q_bar * record.dt);
             }
             self.island(&context, island, bars, report)?;
         }
@@ -98,14 +136,25 @@ impl Reverse {
         Ok(())
     }
 
-    /// q̃ = q + dt v⁺, time⁺ = time + dt: leaves ∂L/∂v⁺ in `v_bar`, and zero in `bars.state.v`.
-    fn motion(&mut self, scene: &Scene, record: &StepRecord, bars: &mut Bars<'_>) {
+    /// q̃ = q + dt v⁺ (of a flow q + ½ dt (v⁻ + v⁺), of an impact q), time⁺ = time + dt: leaves ∂L/∂v⁺ in
+    /// `v_bar`, and in `bars.state.v` what comes through v⁻.
+    fn motion(&mut self, before: &State, record: &StepRecord, bars: &mut Bars<'_>) {
         self.v_bar.clear();
+        let dt = record.dt;
         let (mut dt_bar, state) = (bars.state.time, &mut *bars.state);
-        for ((v_bar, q_bar), v) in state.v.iter_mut().zip(&state.q).zip(&record.after.v) {
-            self.v_bar.push(*v_bar + q_bar * scene.dt());
-            *v_bar = Vector3::zeros();
-            dt_bar += q_bar.dot(v);
+        for (i, (v_bar, q_bar)) in state.v.iter_mut().zip(&state.q).enumerate() {
+            let v = &record.after.v[i];
+            let (by_after, by_before) = match record.motion {
+                Motion::Fixed => (q_bar * dt, Vector3::zeros()),
+                Motion::Flow => (q_bar * (0.5 * dt), q_bar * (0.5 * dt)),
+                Motion::Impact => (Vector3::zeros(), Vector3::zeros()),
+            };
+            self.v_bar.push(*v_bar + by_after);
+            *v_bar = by_before;
+            dt_bar += match record.motion {
+                Motion::Flow => 0.5 * q_bar.dot(&(before.v[i] + v)),
+                _ => q_bar.dot(v),
+            };
         }
         bars.scene.dt += dt_bar;
     }

@@ -7,8 +7,8 @@
 
 use nalgebra::{Vector3, Vector4};
 use tangency_collision::Contact;
-use tangency_core::row::{RowContext, Stage};
-use tangency_core::{IslandRecord, PostRecord, Scene, State, StepRecord};
+use tangency_core::row::RowContext;
+use tangency_core::{IslandRecord, Motion, PostRecord, Scene, State, StepRecord};
 
 use crate::contact_row::contact_jvp;
 use crate::error::DiffError;
@@ -16,7 +16,7 @@ use crate::lcp::lcp_jvp;
 use crate::report::GradientReport;
 use crate::reverse::Reverse;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
-use crate::{island, momentum, sizes};
+use crate::{division, island, momentum, sizes};
 
 /// Pulls `after_bar` = ∂L/∂(state after the step) back: returns ∂L/∂(state before), and adds to
 /// `control` (one number per channel), `out` and `report`.
@@ -52,8 +52,23 @@ pub fn step_jvp(
     along: &Direction<'_>,
 ) -> Result<StateVector, DiffError> {
     sizes::direction(scene, along)?;
-    let context = velocity_context(scene, before, record);
-    let dp = momentum::jvp(&context, before.time, along);
+    let d_after = division::jvp(scene, before, record, along)?;
+    sizes::state_vector("the change of a state", scene, &d_after)?;
+    Ok(d_after)
+}
+
+/// The same of a step that is not divided, or of a part of one; `along.scene.dt` is the change of its
+/// length.
+pub(crate) fn part_jvp(
+    scene: &Scene,
+    before: &State,
+    record: &StepRecord,
+    along: &Direction<'_>,
+) -> Result<StateVector, DiffError> {
+    let context = record.velocity_context(scene, before);
+    let midway = (record.motion == Motion::Flow).then(|| midway_jvp(before, record, along));
+    let at_rows = Direction { state: midway.as_ref().unwrap_or(along.state), ..*along };
+    let dp = momentum::jvp(&context, before.time, &at_rows);
     let mut d_after = along.state.clone();
     d_after.time += along.scene.dt;
     let bound = bodies_with_rows(scene, &record.islands);
@@ -61,31 +76,35 @@ pub fn step_jvp(
         let dm = along.scene.bodies[i].mass.component_mul(&record.after.v[i]);
         d_after.v[i] = (dp[i] - dm).component_div(&scene.bodies()[i].mass);
     }
-    let contacts = contact_changes(&context, along);
+    let contacts = contact_changes(&context, &at_rows);
     for island in &record.islands {
-        let change = island::jvp(&context, island, &contacts, &dp, along);
+        let change = island::jvp(&context, island, &contacts, &dp, &at_rows);
         let (dv, _) = lcp_jvp(&island.problem, &island.solution, &change)?;
         scatter(&island.bodies, &dv, &mut d_after.v);
     }
-    for i in 0..bound.len() {
-        let dv = d_after.v[i];
-        d_after.q[i] += dv * scene.dt() + record.after.v[i] * along.scene.dt;
+    for (i, v) in record.after.v.iter().enumerate() {
+        let (dv, dt) = (d_after.v[i], along.scene.dt);
+        d_after.q[i] += match record.motion {
+            Motion::Fixed => dv * record.dt + v * dt,
+            Motion::Flow => {
+                (along.state.v[i] + dv) * (0.5 * record.dt) + (before.v[i] + v) * (0.5 * dt)
+            }
+            Motion::Impact => Vector3::zeros(),
+        };
     }
     for post in &record.post {
         post_jvp(scene, record, post, &mut d_after, along.scene)?;
     }
-    sizes::state_vector("the change of a state", scene, &d_after)?;
     Ok(d_after)
 }
 
-pub(crate) fn velocity_context<'a>(
-    scene: &'a Scene,
-    before: &'a State,
-    record: &'a StepRecord,
-) -> RowContext<'a> {
-    let (q, v, stage) = (&before.q, &before.v, Stage::Velocity);
-    let (control, contacts) = (&record.control, &record.contacts);
-    RowContext { scene, stage, q, v, control, contacts, loose: &[], slow: &[] }
+/// The change of the poses q + ½ h v⁻ at which a flow evaluates its rows, and of v⁻.
+fn midway_jvp(before: &State, record: &StepRecord, along: &Direction<'_>) -> StateVector {
+    let mut midway = along.state.clone();
+    for (i, q) in midway.q.iter_mut().enumerate() {
+        *q += along.state.v[i] * (0.5 * record.dt) + before.v[i] * (0.5 * along.scene.dt);
+    }
+    midway
 }
 
 fn post_jvp(
@@ -105,7 +124,7 @@ fn post_jvp(
         let change = island::jvp(&context, island, &contacts, &still, &direction);
         let (dw, _) = lcp_jvp(&island.problem, &island.solution, &change)?;
         for ((body, dw), w) in island.bodies.iter().zip(&dw).zip(&island.solution.velocities) {
-            d_after.q[*body as usize] += dw * scene.dt() + w * along.dt;
+            d_after.q[*body as usize] += dw * record.dt + w * along.dt;
         }
     }
     Ok(())
@@ -117,7 +136,10 @@ fn bodies_with_rows(scene: &Scene, islands: &[IslandRecord]) -> Vec<bool> {
     bound
 }
 
-fn contact_changes(context: &RowContext<'_>, along: &Direction<'_>) -> Vec<Vector4<f64>> {
+pub(crate) fn contact_changes(
+    context: &RowContext<'_>,
+    along: &Direction<'_>,
+) -> Vec<Vector4<f64>> {
     let change = |contact: &Contact| contact_jvp(context, contact, along);
     context.contacts.iter().map(change).collect()
 }

@@ -20,6 +20,7 @@ use tangency_core::row::RowContext;
 use tangency_core::{Control, IslandRecord, Scene, State, StepRecord};
 
 use crate::coordinates::Coordinates;
+use crate::division::is_divided;
 use crate::error::DiffError;
 use crate::island::Response;
 use crate::joint_force::JointForce;
@@ -27,8 +28,8 @@ use crate::lcp::LcpAdjoint;
 use crate::parameter::Parameter;
 use crate::report::GradientReport;
 use crate::sizes;
-use crate::step::{step_jvp, velocity_context};
-use crate::vector::{Direction, StateVector};
+use crate::step::{step_jvp, step_vjp};
+use crate::vector::{Direction, SceneVector, StateVector};
 
 /// The derivatives of the state after a step. Rows are the [`Coordinates`] of the state after it.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +58,9 @@ pub fn step_jacobian(
     parameters: &[Parameter],
 ) -> Result<StepJacobian, DiffError> {
     sizes::step(scene, before, record)?;
+    if is_divided(record) {
+        return by_directions(scene, before, record, parameters);
+    }
     let record = &*factored(record);
     let mut assembly = Assembly::new(scene, before, record)?;
     assembly.add_momentum();
@@ -89,6 +93,39 @@ fn factor(IslandRecord { problem, solution, .. }: &mut IslandRecord) {
         let system = ActiveSystem::new(problem, &Metric::new(problem), &solution.modes);
         solution.system = Some(Arc::new(system));
     }
+}
+
+/// The same of a step that impacts divide, column by column: each part is a step of its own.
+fn by_directions(
+    scene: &Scene,
+    before: &State,
+    record: &StepRecord,
+    parameters: &[Parameter],
+) -> Result<StepJacobian, DiffError> {
+    let coordinates = Coordinates::of(scene);
+    let (size, channels) = (coordinates.size(), scene.controls().len());
+    let still = SceneVector::like(scene);
+    let column = |x: &DVector<f64>, u: &[f64]| {
+        let state = coordinates.spread(x.column(0));
+        let along = Direction { state: &state, control: u, scene: &still };
+        Ok::<_, DiffError>(coordinates.flatten(&step_jvp(scene, before, record, &along)?))
+    };
+    let unit = |size: usize, k: usize| DVector::from_fn(size, |i, _| f64::from(u8::from(i == k)));
+    let (zero, mut report) = (DVector::zeros(size), GradientReport::default());
+    let mut state = DMatrix::zeros(size, size);
+    for k in 0..size {
+        state.set_column(k, &column(&unit(size, k), &vec![0.0; channels])?);
+    }
+    let mut control = DMatrix::zeros(size, channels);
+    for k in 0..channels {
+        control.set_column(k, &column(&zero, unit(channels, k).as_slice())?);
+    }
+    let parameters = by_parameters(scene, before, record, &coordinates, parameters)?;
+    let (mut by_control, mut by_scene) = (vec![0.0; channels], still.clone());
+    let nothing = StateVector::like(before);
+    step_vjp(scene, before, record, &nothing, &mut by_control, &mut by_scene, &mut report)?;
+    report.end();
+    Ok(StepJacobian { state, control, parameters, report })
 }
 
 /// P, a forward solve per parameter with the factorisations at hand.
@@ -135,7 +172,7 @@ impl<'a> Assembly<'a> {
             [1.0 / mass.x, 1.0 / mass.y, 1.0 / mass.z]
         });
         let mut all = Self {
-            context: velocity_context(scene, before, record),
+            context: record.velocity_context(scene, before),
             adjoint: LcpAdjoint::default(),
             report: GradientReport::default(),
             momentum: DMatrix::from_diagonal(&DVector::from_iterator(3 * n, inverse)),
@@ -201,15 +238,15 @@ impl<'a> Assembly<'a> {
                 Control::Wrench { body, component } => {
                     let Some(from) = self.coordinates.pose(body, component) else { continue };
                     let by_p = self.momentum.column(from);
-                    self.control.column_mut(channel).axpy(scene.dt(), &by_p, 1.0);
+                    self.control.column_mut(channel).axpy(self.context.dt, &by_p, 1.0);
                 }
                 Control::JointForce { joint } => {
                     let force = JointForce::new(&self.context, &self.coordinates, joint);
                     let by_u = force.by_effort(&self.momentum);
-                    self.control.column_mut(channel).axpy(scene.dt(), &by_u, 1.0);
+                    self.control.column_mut(channel).axpy(self.context.dt, &by_u, 1.0);
                     force.add_by_pose(
                         &self.momentum,
-                        scene.dt() * inputs[channel],
+                        self.context.dt * inputs[channel],
                         &mut self.state,
                     );
                 }
@@ -220,7 +257,7 @@ impl<'a> Assembly<'a> {
 
     /// Derivatives of (q̃, v⁺) by x and by u.
     fn motion(&self) -> [DMatrix<f64>; 2] {
-        let (dt, half) = (self.context.scene.dt(), self.state.nrows());
+        let (dt, half) = (self.context.dt, self.state.nrows());
         let moved = |by: &DMatrix<f64>| {
             let mut all = DMatrix::zeros(2 * half, by.ncols());
             all.rows_mut(0, half).copy_from(&(by * dt));
@@ -249,7 +286,7 @@ impl<'a> Assembly<'a> {
                 let displaced = response.state.tr_mul(&moved.select_rows(&both));
                 for (displaced, place) in displaced.row_iter().zip(&places) {
                     let mut to = by.row_mut(*place);
-                    to += displaced * context.scene.dt();
+                    to += displaced * context.dt;
                 }
             }
         }

@@ -45,6 +45,32 @@ pub(crate) fn vjp(
     }
 }
 
+/// Pulls the gradient by the gap of a contact or a limit back.
+pub(crate) fn gap_vjp(
+    context: &RowContext<'_>,
+    source: RowSource,
+    gap_bar: f64,
+    rotations: &mut Rotations,
+    bars: &mut Bars<'_>,
+) {
+    let no_row = [Vector3::zeros(); 2];
+    if let Owner::Contact(contact) = owner(source) {
+        let mut place = ContactPlace::new(context, contact);
+        let normal = place.normal();
+        place.add_row(&normal, &no_row, gap_bar);
+        return place.pull_back(context, rotations, bars);
+    }
+    let (joint, row, sign) = joint_row_of(context.scene, source);
+    let mut place = JointPlace::new(context, joint, rotations);
+    place.add_row(&row.measure, &no_row, sign * gap_bar);
+    let by = &mut bars.scene.joints[joint as usize];
+    match source {
+        RowSource::Upper { .. } => by.upper += gap_bar,
+        _ => by.lower -= gap_bar,
+    }
+    place.pull_back(bars);
+}
+
 /// What rows are rows of.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
@@ -194,7 +220,7 @@ fn pull_parameters(
                 bars.control[channel] += bar.rhs;
             }
             if let Some(max) = scene.joints()[joint as usize].motor.and_then(|m| m.max) {
-                it.motor_max += bar.bound * scene.dt();
+                it.motor_max += bar.bound * context.dt;
                 bars.scene.dt += bar.bound * max;
             }
         }

@@ -74,7 +74,7 @@ fn push_parameters(
             let inputs: f64 = motor_channels(scene, joint).map(|c| along.control[c]).sum();
             row.rhs += it.motor_speed + inputs;
             if let Some(max) = scene.joints()[joint as usize].motor.and_then(|m| m.max) {
-                row.bound += it.motor_max * scene.dt() + max * along.scene.dt;
+                row.bound += it.motor_max * context.dt + max * along.scene.dt;
             }
         }
         RowSource::Normal { contact } => {
@@ -95,6 +95,16 @@ fn push_parameters(
         }
         RowSource::Lower { .. } | RowSource::Upper { .. } => {}
     }
+}
+
+/// The change of a gap along a direction; `contacts` are the changes of the contacts.
+pub(crate) fn gap_jvp(
+    context: &RowContext<'_>,
+    source: RowSource,
+    contacts: &[Vector4<f64>],
+    along: &Direction<'_>,
+) -> f64 {
+    geometry_jvp(context, source, contacts, along).1
 }
 
 /// The change of J (6) and φ of any row.

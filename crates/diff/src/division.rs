@@ -1,0 +1,171 @@
+//! Derivatives of steps that impacts divide.
+//!
+//! The part before an impact is a flow F(x, τ) whose length obeys g(F(x, τ)) = 0, the last part lasts for
+//! dt − Σ τ. With x̄ the gradient by the state that hits and l̄ that by the length of the last part,
+//!
+//! ```text
+//!  dτ = −(∂g·dF + g_p dp)/ġ           ġ = ∂g·F_τ           dx = dF + F_τ dτ
+//!  τ̄ = x̄·F_τ − l̄                      x̄ += ∂g ḡ,  p̄ += g_p ḡ           ḡ = −τ̄/ġ
+//! ```
+//!
+//! which is the saltation of the motion (Leine & Nijmeijer 2004): how an impact that comes earlier or
+//! later changes what follows.
+
+use nalgebra::Vector3;
+use tangency_core::row::{RowContext, RowSource};
+use tangency_core::{Motion, Scene, State, StepRecord};
+
+use crate::error::DiffError;
+use crate::island::{gap_jvp, gap_vjp};
+use crate::lcp::WEAK_MARGIN;
+use crate::report::{GradientReport, Switch};
+use crate::reverse::Reverse;
+use crate::step::{contact_changes, part_jvp};
+use crate::vector::{Bars, Direction, SceneVector, StateVector};
+
+impl Reverse {
+    /// A divided step: as [`step`](Self::step).
+    pub(crate) fn division(
+        &mut self,
+        scene: &Scene,
+        before: &State,
+        record: &StepRecord,
+        bars: &mut Bars<'_>,
+        report: &mut GradientReport,
+    ) -> Result<(), DiffError> {
+        if record.fell_back() {
+            report.add_fall_back();
+        }
+        report.go_to(None);
+        let by_dt = std::mem::take(&mut bars.scene.dt);
+        self.part(scene, start(before, record, record.parts.len()), record, bars, report)?;
+        let by_length = bars.scene.dt;
+        let mut impact: Option<&StepRecord> = None;
+        for (k, part) in record.parts.iter().enumerate().rev() {
+            let before = start(before, record, k);
+            report.go_to(Some(k + 1));
+            if let Some(impact) = impact.take() {
+                self.hit(scene, before, [part, impact], by_length, bars, report)?;
+            }
+            report.go_to(Some(k));
+            self.part(scene, before, part, bars, report)?;
+            impact = Some(part).filter(|part| part.hit.is_some());
+        }
+        bars.scene.dt = by_dt + by_length;
+        Ok(())
+    }
+
+    /// What comes through the time of an impact, by the state that the flow before it ends in.
+    fn hit(
+        &mut self,
+        scene: &Scene,
+        before: &State,
+        [flow, impact]: [&StepRecord; 2],
+        by_length: f64,
+        bars: &mut Bars<'_>,
+        report: &mut GradientReport,
+    ) -> Result<(), DiffError> {
+        let Some(row) = impact.hit else { return Ok(()) };
+        let context = impact.velocity_context(scene, &flow.after);
+        let rate = flow_rate(scene, before, flow)?;
+        let still = SceneVector::like(scene);
+        let opens = opening(&context, row, &rate, &still);
+        add_switches(&context, row, opens, report);
+        let by_time = bars.state.dot(&rate) - by_length;
+        self.rotations.renew(before.q.len());
+        gap_vjp(&context, row, -by_time / opens, &mut self.rotations, bars);
+        Ok(())
+    }
+}
+
+/// The state before part k of a step, or before its last part.
+fn start<'a>(before: &'a State, record: &'a StepRecord, k: usize) -> &'a State {
+    if k == 0 { before } else { &record.parts[k - 1].after }
+}
+
+/// The change of the state after a step, divided or not, along a direction.
+pub(crate) fn jvp(
+    scene: &Scene,
+    before: &State,
+    record: &StepRecord,
+    along: &Direction<'_>,
+) -> Result<StateVector, DiffError> {
+    if record.parts.is_empty() {
+        return part_jvp(scene, before, record, along);
+    }
+    let mut numbers = SceneVector { dt: 0.0, ..along.scene.clone() };
+    let (mut state, mut length) = (along.state.clone(), along.scene.dt);
+    for (k, part) in record.parts.iter().enumerate() {
+        let (before, control) = (start(before, record, k), along.control);
+        let direction = Direction { state: &state, control, scene: &numbers };
+        state = part_jvp(scene, before, part, &direction)?;
+        let next = record.parts.get(k + 1);
+        if let Some((impact, row)) = next.and_then(|next| Some((next, next.hit?))) {
+            let context = impact.velocity_context(scene, &part.after);
+            let rate = flow_rate(scene, before, part)?;
+            let opens = opening(&context, row, &rate, &SceneVector::like(scene));
+            let later = -opening(&context, row, &state, &numbers) / opens;
+            add_scaled(&mut state, later, &rate);
+            length -= later;
+        }
+    }
+    numbers.dt = length;
+    let direction = Direction { state: &state, control: along.control, scene: &numbers };
+    part_jvp(scene, start(before, record, record.parts.len()), record, &direction)
+}
+
+/// F_τ: how the end of a flow changes with its length.
+fn flow_rate(scene: &Scene, before: &State, flow: &StepRecord) -> Result<StateVector, DiffError> {
+    let still = StateVector::like(before);
+    let control = vec![0.0; flow.control.len()];
+    let numbers = SceneVector { dt: 1.0, ..SceneVector::like(scene) };
+    let along = Direction { state: &still, control: &control, scene: &numbers };
+    part_jvp(scene, before, flow, &along)
+}
+
+/// How a gap changes with the state and the scene's numbers.
+fn opening(
+    context: &RowContext<'_>,
+    row: RowSource,
+    state: &StateVector,
+    scene: &SceneVector,
+) -> f64 {
+    let control = vec![0.0; context.control.len()];
+    let along = Direction { state, control: &control, scene };
+    gap_jvp(context, row, &contact_changes(context, &along), &along)
+}
+
+/// Tells whether the time of an impact is ill-conditioned, or that of several gaps.
+fn add_switches(context: &RowContext<'_>, row: RowSource, opens: f64, report: &mut GradientReport) {
+    if -opens <= WEAK_MARGIN * speeds(context, row) {
+        report.add_switch(row, Switch::Grazing);
+    }
+    let closes = |contact: &u32| {
+        let row = RowSource::Normal { contact: *contact };
+        context.speed(&context.geometry(row)) < -WEAK_MARGIN * speeds(context, row)
+    };
+    if (0..).take(context.contacts.len()).filter(closes).count() > 1 {
+        report.add_switch(row, Switch::Together);
+    }
+}
+
+/// What adds up to the speed of a row.
+fn speeds(context: &RowContext<'_>, row: RowSource) -> f64 {
+    let geometry = context.geometry(row);
+    let sides = geometry.bodies.iter().zip(&geometry.jacobian);
+    let speed = |(body, j): (&Option<usize>, &Vector3<f64>)| {
+        body.map_or(0.0, |body| j.abs().dot(&context.v[body].abs()))
+    };
+    sides.map(speed).sum()
+}
+
+fn add_scaled(to: &mut StateVector, factor: f64, rate: &StateVector) {
+    to.time += factor * rate.time;
+    to.q.iter_mut().zip(&rate.q).for_each(|(a, b)| *a += b * factor);
+    to.v.iter_mut().zip(&rate.v).for_each(|(a, b)| *a += b * factor);
+}
+
+/// Whether a step has derivatives that only its parts know.
+pub(crate) fn is_divided(record: &StepRecord) -> bool {
+    record.motion != Motion::Fixed || !record.parts.is_empty()
+}
