@@ -49,6 +49,7 @@ mod reach;
 mod record;
 mod resolve;
 pub mod rhs;
+mod right_side;
 mod rollout;
 pub mod row;
 mod rows;
