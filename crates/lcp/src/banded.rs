@@ -119,10 +119,8 @@ struct Sweep {
     y: Vec<f64>,
     /// b̂ − B̂ v − ĉ ŷ, and then the change of ŷ.
     r: Vec<f64>,
-    /// B̂ᵀ ŷ.
-    z: Vec<Vector3<f64>>,
-    /// B̂ᵀ dŷ of the last sweep.
-    dz: Vec<Vector3<f64>>,
+    /// B̂ᵀ ŷ, and B̂ᵀ dŷ of the last sweep.
+    z: Vec<[Vector3<f64>; 2]>,
 }
 
 impl Sweep {
@@ -136,8 +134,10 @@ impl Sweep {
         v.extend(problem.momentum.iter().zip(&metric.equations.inverse_mass).map(free));
         v.push(Vector3::zeros());
         let (y, r) = (scratch.floats.filled(rows, 0.0), scratch.floats.filled(rows, 0.0));
-        let [z, dz] = [0; 2].map(|_| scratch.vectors.filled(bodies + 1, Vector3::zeros()));
-        Self { v, y, r, z, dz }
+        let mut z = std::mem::take(&mut scratch.pairs);
+        z.clear();
+        z.resize(bodies + 1, [Vector3::zeros(); 2]);
+        Self { v, y, r, z }
     }
 
     /// Writes the remainders; returns the greatest, infinite if one is not a number.
@@ -156,10 +156,12 @@ impl Sweep {
     fn advance(&mut self, equations: &Equations) {
         for ((row, dy), y) in equations.rows.iter().zip(&self.r).zip(&mut self.y) {
             *y += dy;
-            row.add_transposed(*dy, &mut self.dz);
+            for (body, jacobian) in row.bodies.iter().zip(&row.jacobian) {
+                self.z[*body as usize][1] += jacobian * *dy;
+            }
         }
-        let bodies = self.v.iter_mut().zip(&mut self.z).zip(&mut self.dz);
-        for (((v, z), dz), inverse) in bodies.zip(&equations.inverse_mass) {
+        let bodies = self.v.iter_mut().zip(&mut self.z);
+        for ((v, [z, dz]), inverse) in bodies.zip(&equations.inverse_mass) {
             *v += dz.component_mul(inverse);
             *z += *dz;
             *dz = Vector3::zeros();
@@ -170,7 +172,7 @@ impl Sweep {
     fn momentum_defect(&self, problem: &Lcp, metric: &Metric) -> f64 {
         let (mut worst, mut sum) = (0.0_f64, 0.0);
         let bodies = problem.mass.iter().zip(&problem.momentum).zip(&self.v).zip(&self.z);
-        for (body, (((mass, p), v), z)) in bodies.enumerate() {
+        for (body, (((mass, p), v), [z, _])) in bodies.enumerate() {
             let defect = mass.component_mul(v) - p - z * metric.unit();
             let weighted = metric.weighted_momentum(body, &defect);
             worst = weighted.iter().map(|defect| defect.abs()).fold(worst, greater);
@@ -192,8 +194,7 @@ impl Sweep {
             *y *= metric.unit() * row.inverse;
         }
         self.v.pop();
-        scratch.vectors.give(self.z);
-        scratch.vectors.give(self.dz);
+        scratch.pairs = self.z;
         LcpSolution {
             velocities: self.v,
             impulses: self.y,

@@ -149,10 +149,10 @@ impl Polish<'_> {
     /// Unilateral impulses that are negative by rounding only become zero.
     fn lift(&self, impulses: &mut [f64]) {
         for (row, impulse) in impulses.iter_mut().enumerate() {
-            let rounding = self.metric.true_impulse(row, ROUNDED * self.metric.scale);
+            let rounding = || self.metric.true_impulse(row, ROUNDED * self.metric.scale);
             if *impulse < 0.0
-                && *impulse >= -rounding
                 && self.problem.rows[row].law == Law::Unilateral
+                && *impulse >= -rounding()
             {
                 *impulse = 0.0;
             }

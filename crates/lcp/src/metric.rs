@@ -50,6 +50,8 @@ pub struct Metric {
     first_rows: Vec<u32>,
     /// μ, the unit of mass.
     unit: f64,
+    /// 1/μ, exact.
+    per_unit: f64,
     /// A sum that is finite only if all numbers of the problem are.
     sum: f64,
     /// s*, the problem's own scale.
@@ -107,6 +109,7 @@ impl Metric {
     /// Becomes the metric of another problem, in the same memory.
     pub(crate) fn renew(&mut self, problem: &Lcp, patterns: &mut Patterns) {
         self.unit = power_of_two(problem.mass.iter().fold(0.0, |most: f64, m| most.max(m.x)));
+        self.per_unit = self.unit.recip();
         (self.scale, self.sum) = (0.0, 0.0);
         self.weigh_bodies(problem);
         self.weigh_rows(problem);
@@ -118,7 +121,7 @@ impl Metric {
     fn weigh_bodies(&mut self, problem: &Lcp) {
         self.equations.weigh_bodies(problem, self.unit);
         self.inverse_root_mass.clear();
-        let per_unit = self.unit.recip();
+        let per_unit = self.per_unit;
         for (inverse, momentum) in self.equations.inverse_mass.iter().zip(&problem.momentum) {
             let root = inverse.map(f64::sqrt) * per_unit;
             self.inverse_root_mass.push(root);
@@ -202,7 +205,7 @@ impl Metric {
     /// ŷ of a row's impulse.
     #[must_use]
     pub fn impulse(&self, row: usize, impulse: f64) -> f64 {
-        impulse * self.root[row] / self.unit
+        impulse * self.root[row] * self.per_unit
     }
 
     /// The impulse of a row's ŷ, N·s or N·m·s.

@@ -173,8 +173,9 @@ impl ActiveSystem {
         let (bodies, slots) = (momentum.len(), self.rows.len());
         let (y, v) = (&mut found.impulses, &mut found.velocities);
         let mut z = scratch.vectors.filled(bodies + 1, Vector3::zeros());
+        let per_unit = self.unit.recip();
         for (z, p) in z.iter_mut().zip(momentum) {
-            *z = p / self.unit;
+            *z = p * per_unit;
         }
         let scale = equations.scale(&z, rhs);
         v.clear();

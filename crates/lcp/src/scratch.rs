@@ -26,6 +26,8 @@ pub struct Scratch {
     pub(crate) blocks: Pool<Block>,
     pub(crate) equations: Equations,
     pub(crate) spans: Vec<u32>,
+    /// Two vectors per body.
+    pub(crate) pairs: Vec<[Vector3<f64>; 2]>,
     /// Empty between polishes.
     pub(crate) seen: Vec<Vec<Mode>>,
     systems: Vec<Arc<ActiveSystem>>,

@@ -52,7 +52,9 @@ pub fn solve_checked(
 ) -> Result<(LcpSolution, Residual), LcpError> {
     problem.validate()?;
     let metric = scratch.metric(problem);
-    judged(solver, problem, guess, metric, scratch, tolerance)
+    let judged = judged(solver, problem, guess, &metric, scratch, tolerance);
+    scratch.give_metric(metric);
+    judged
 }
 
 /// The same for a problem whose sizes, indices and signs are right because an engine put them there.
@@ -73,20 +75,20 @@ pub fn solve_assembled(
     if !metric.is_finite() {
         problem.validate()?;
     }
-    judged(solver, problem, guess, metric, scratch, tolerance)
+    let judged = judged(solver, problem, guess, &metric, scratch, tolerance);
+    scratch.give_metric(metric);
+    judged
 }
 
 fn judged(
     solver: &dyn LcpSolver,
     problem: &Lcp,
     guess: Option<&Guess>,
-    metric: Metric,
+    metric: &Metric,
     scratch: &mut Scratch,
     tolerance: f64,
 ) -> Result<(LcpSolution, Residual), LcpError> {
-    let answer = answer(solver, problem, guess, &metric, scratch);
-    scratch.give_metric(metric);
-    let (solution, residual) = answer?;
+    let (solution, residual) = answer(solver, problem, guess, metric, scratch)?;
     if residual.max() <= tolerance {
         Ok((solution, residual))
     } else {
