@@ -49,20 +49,3 @@ pub fn of_world(engine: &dyn Engine, def: &SceneDef) -> Result<Option<f64>, Refu
         Ok(world)
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::per_copy;
-
-    /// A number that is written takes its eight bytes; the allocator's share of a small vector is 16.
-    #[test]
-    fn what_vectors_take() {
-        for (length, copies) in [(1 << 20, 8), (1000, 4000)] {
-            let build = || Ok::<_, ()>(vec![1.0_f64; length]);
-            if let Some(found) = per_copy(copies, build).expect("nothing is refused") {
-                let expected = 8.0 * length as f64;
-                assert!((found / expected - 1.0).abs() < 0.05, "{found} bytes for {expected}");
-            }
-        }
-    }
-}
