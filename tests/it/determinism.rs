@@ -145,3 +145,40 @@ fn a_fresh_process_moves_the_same() {
     let found = text.lines().find_map(|line| line.split_once(MARK));
     assert_eq!(found.map(|(_, hashes)| hashes), Some(format!("{:?}", hashes()).as_str()));
 }
+
+/// Forty leaning stacks, each an island: with everything that is shared out over threads.
+#[cfg(feature = "parallel")]
+#[test]
+fn islands_side_by_side_are_solved_to_the_same_bits() {
+    let def = apart(&scenes::stack(&[1.0, 2.0, 0.5, 1.0]), 40);
+    for solver in backends() {
+        let scene = built(&def);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("threads").install(|| run(&scene, &*solver, 25))
+        };
+        let alone = on(1);
+        assert_eq!(alone.records[0].islands.len(), 40);
+        for threads in [2, 3, 4] {
+            assert_eq!(on(threads), alone, "{threads} threads, {}", solver.name());
+        }
+    }
+}
+
+/// Copies of a scene's dynamic bodies far from each other, each thrown at another speed.
+#[cfg(feature = "parallel")]
+fn apart(def: &tangency::SceneDef, copies: usize) -> tangency::SceneDef {
+    let mut all = def.clone();
+    let moves = |body: &&tangency::BodyDef| body.kind == tangency::BodyKind::Dynamic;
+    all.bodies.retain(|body| !moves(&body));
+    for k in 0..copies {
+        for body in def.bodies.iter().filter(moves) {
+            let mut copy = body.clone();
+            copy.name = format!("{}, copy {k}", body.name);
+            copy.position[0] += 50.0 * k as f64;
+            copy.velocity = [0.02 * k as f64, 0.0];
+            all.bodies.push(copy);
+        }
+    }
+    all
+}

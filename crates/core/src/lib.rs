@@ -54,6 +54,8 @@ mod rollout;
 pub mod row;
 mod rows;
 mod scratch;
+#[cfg(feature = "parallel")]
+mod shares;
 mod simulator;
 mod slop;
 mod solve;

@@ -28,6 +28,8 @@ pub struct StepScratch {
     pub(crate) groups: Groups,
     pub(crate) places: Places,
     pub(crate) guess: Guess,
+    #[cfg(feature = "parallel")]
+    pub(crate) shares: crate::shares::Shares,
     pub(crate) islands: Pool<Island>,
     pub(crate) records: Pool<IslandRecord>,
     pub(crate) progress: Progress,

@@ -1,9 +1,11 @@
 //! The islands of a step, each solved in the first of its stages that has a solution.
 
-use tangency_lcp::{Lcp, LcpError, LcpSolution, LcpSolver, Metric, Residual, solve_assembled};
+use tangency_lcp::{
+    Guess, Lcp, LcpError, LcpSolution, LcpSolver, Metric, Residual, Scratch, solve_assembled,
+};
 
 use crate::StepError;
-use crate::guess::guess_likely;
+use crate::guess::{Places, guess_likely};
 use crate::island::Island;
 use crate::record::{IslandRecord, Path, StepRecord};
 use crate::row::{RowContext, RowSource, Stage};
@@ -19,29 +21,44 @@ pub(crate) fn solve(
     scratch: &mut StepScratch,
 ) -> Result<Vec<IslandRecord>, StepError> {
     let mut records = scratch.records.take();
+    let refuse = |(bodies, source): (Vec<u32>, _)| refusal(context, time, &bodies, source);
+    #[cfg(feature = "parallel")]
+    if crate::shares::pays(&islands) {
+        let StepScratch { places, shares, lcp, .. } = scratch;
+        let count = islands.len();
+        for (index, island) in islands.drain(..).enumerate() {
+            let guess =
+                |island: &Island, to: &mut Guess| guess(context, before, index, island, places, to);
+            shares.add(index, island, guess);
+        }
+        for record in shares.solve(context, solver, count, lcp) {
+            records.push(record.map_err(refuse)?);
+        }
+    }
     for (index, island) in islands.drain(..).enumerate() {
-        let guessed = guess(context, before, index, &island, scratch);
-        let record = solve_island(context, solver, island, guessed, scratch);
-        records.push(record.map_err(|(bodies, source)| refusal(context, time, &bodies, source))?);
+        let StepScratch { places, guess: to, lcp, .. } = scratch;
+        let guessed = guess(context, before, index, &island, places, to);
+        let record = solve_island(context, solver, island, guessed.then_some(to), lcp);
+        records.push(record.map_err(refuse)?);
     }
     scratch.islands.give(islands);
     Ok(records)
 }
 
-/// Whether there is a guess of an island's modes, which is then in `scratch`: from the step before, or of
+/// Whether there is a guess of an island's modes, which is then in `to`: from the step before, or of
 /// displacements from what they are to mend.
 fn guess(
     context: &RowContext<'_>,
     before: Option<&StepRecord>,
     index: usize,
     island: &Island,
-    scratch: &mut StepScratch,
+    places: &mut Places,
+    to: &mut Guess,
 ) -> bool {
-    let StepScratch { places, guess, .. } = scratch;
     match before {
         _ if island.problem.is_linear() => return false,
-        Some(before) => places.guess(before, index, island, context.scene.joints.len(), guess),
-        None if !island.stage.is_velocity() => guess_likely(island, guess),
+        Some(before) => places.guess(before, index, island, context.scene.joints.len(), to),
+        None if !island.stage.is_velocity() => guess_likely(island, to),
         None => return false,
     }
     true
@@ -68,16 +85,15 @@ pub(crate) fn is_lever(problem: &Lcp, solution: &LcpSolution) -> bool {
 }
 
 /// The record of one island; of a refusal its bodies and the first stage's error.
-fn solve_island(
+pub(crate) fn solve_island(
     context: &RowContext<'_>,
     solver: &dyn LcpSolver,
     island: Island,
-    guessed: bool,
-    scratch: &mut StepScratch,
+    guess: Option<&Guess>,
+    scratch: &mut Scratch,
 ) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
     let tolerance = context.scene.tolerance();
-    let guess = guessed.then_some(&scratch.guess);
-    match solve_assembled(solver, &island.problem, guess, &mut scratch.lcp, tolerance) {
+    match solve_assembled(solver, &island.problem, guess, scratch, tolerance) {
         Ok((solution, residual))
             if !gives_too_much(context, &island, &solution)
                 && (is_lever(&island.problem, &solution)
@@ -95,7 +111,7 @@ fn solve_in_stages(
     solver: &dyn LcpSolver,
     island: Island,
     first: Result<(LcpSolution, Residual), LcpError>,
-    scratch: &mut StepScratch,
+    scratch: &mut Scratch,
 ) -> Result<IslandRecord, (Vec<u32>, LcpError)> {
     let (mut calmest, mut least) = (None, f64::INFINITY);
     let mut refusal: Option<(Vec<u32>, LcpError)> = None;
@@ -123,8 +139,7 @@ fn solve_in_stages(
         };
         next = later.map(|island| {
             let tolerance = context.scene.tolerance();
-            let answer =
-                solve_assembled(solver, &island.problem, None, &mut scratch.lcp, tolerance);
+            let answer = solve_assembled(solver, &island.problem, None, scratch, tolerance);
             (island, answer)
         });
     }

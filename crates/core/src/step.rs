@@ -4,8 +4,8 @@
 //!  contacts and limits in reach  →  islands  →  v⁺ = M⁻¹(p + Σ Jᵢᵀ λᵢ)  →  q⁺ = q + dt v⁺
 //! ```
 //!
-//! (or, where impacts are located, several such parts, see [`Motion`]) and, only where positions are then wrong by more than rounding, displacements of least
-//! mass-weighted size that mend them: q⁺ += dt w.
+//! (or, where impacts are located, several such parts, see [`Motion`]) and, only where positions are then
+//! wrong by more than rounding, displacements of least mass-weighted size that mend them: q⁺ += dt w.
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;

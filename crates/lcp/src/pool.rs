@@ -23,6 +23,18 @@ impl<T> Pool<T> {
             self.0.push(vector);
         }
     }
+
+    /// Shares its vectors evenly with another.
+    pub(crate) fn even_out(&mut self, other: &mut Self) {
+        even_out(&mut self.0, &mut other.0);
+    }
+}
+
+/// Moves the half of what one of two lists has more than the other.
+pub(crate) fn even_out<T>(a: &mut Vec<T>, b: &mut Vec<T>) {
+    let (more, fewer) = if a.len() > b.len() { (a, b) } else { (b, a) };
+    let keeps = more.len() - (more.len() - fewer.len()) / 2;
+    fewer.extend(more.drain(keeps..));
 }
 
 impl<T: Clone> Pool<T> {

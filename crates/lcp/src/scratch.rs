@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::block::Block;
 use crate::equations::Equations;
 use crate::pattern::{Pattern, Patterns};
-use crate::pool::Pool;
+use crate::pool::{Pool, even_out};
 use crate::{ActiveSystem, BoxLaw, Lcp, LcpSolution, Metric, Mode};
 
 /// Buffers that survive between solves so that they need not be allocated again; their content
@@ -45,6 +45,19 @@ impl Scratch {
         if let Some(system) = solution.system {
             self.give_system(system);
         }
+    }
+
+    /// Shares the memory of solutions evenly with another: that which only one of them got back.
+    pub fn even_out(&mut self, other: &mut Self) {
+        self.floats.even_out(&mut other.floats);
+        self.quads.even_out(&mut other.quads);
+        self.laws.even_out(&mut other.laws);
+        self.vectors.even_out(&mut other.vectors);
+        self.indices.even_out(&mut other.indices);
+        self.modes.even_out(&mut other.modes);
+        self.blocks.even_out(&mut other.blocks);
+        even_out(&mut self.systems, &mut other.systems);
+        even_out(&mut self.metrics, &mut other.metrics);
     }
 
     /// A copy of modes.
