@@ -2,22 +2,27 @@
 
 use tangency_core::lcp::LcpSolver;
 use tangency_core::{
-    Correction, Scene, SceneDef, Stabilisation, State, StepRecord, StepScratch, next_step,
-    rollout_in, step,
+    Correction, Scene, SceneDef, Stabilisation, State, StepRecord, StepScratch, Stepping,
+    next_step, rollout_in, step,
 };
 use tangency_diff::gradient_adding;
 
 use crate::engine::{Engine, Refusal, ValueAndGradient, World};
 use crate::paths::Paths;
 
-/// How joint errors are removed.
+/// How this engine steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Joints {
-    /// As the scene says; by default within the velocity solve, to first order.
+pub enum Variant {
+    /// As the scene says; by default in fixed steps, joint errors removed within the velocity solve.
     AsDefined,
-    /// By a projection after every move.
+    /// The same, joint errors removed by a projection after every move.
     Projected,
+    /// With impacts at their own time.
+    ImpactResolved,
 }
+
+/// Impacts that divide a step, at most, in these runs.
+const MAX_IMPACTS: u32 = 64;
 
 /// This engine on one backend.
 pub struct Tangency {
@@ -25,8 +30,8 @@ pub struct Tangency {
     pub backend: &'static str,
     /// The backend.
     pub solver: Box<dyn LcpSolver>,
-    /// How joint errors are removed.
-    pub joints: Joints,
+    /// How it steps.
+    pub variant: Variant,
 }
 
 impl Tangency {
@@ -34,7 +39,7 @@ impl Tangency {
     /// some.
     #[must_use]
     pub fn fits(&self, def: &SceneDef) -> bool {
-        self.joints == Joints::AsDefined || !def.joints.is_empty()
+        self.variant != Variant::Projected || !def.joints.is_empty()
     }
 
     /// The scene as this variant runs it.
@@ -43,8 +48,14 @@ impl Tangency {
     /// [`Refusal::Scene`].
     pub fn scene(&self, def: &SceneDef) -> Result<Scene, Refusal> {
         let mut def = def.clone();
-        if self.joints == Joints::Projected {
-            def.stabilisation = Stabilisation { joints: Correction::Post, ..def.stabilisation };
+        match self.variant {
+            Variant::AsDefined => {}
+            Variant::Projected => {
+                def.stabilisation = Stabilisation { joints: Correction::Post, ..def.stabilisation };
+            }
+            Variant::ImpactResolved => {
+                def.stepping = Stepping::ImpactResolved { max_impacts: MAX_IMPACTS };
+            }
         }
         Ok(Scene::new(&def)?)
     }
@@ -52,18 +63,21 @@ impl Tangency {
 
 impl Engine for Tangency {
     fn name(&self) -> String {
-        match self.joints {
-            Joints::AsDefined => format!("tangency {}", self.backend),
-            Joints::Projected => format!("tangency {}, projected", self.backend),
-        }
+        let mode = match self.variant {
+            Variant::AsDefined => "",
+            Variant::Projected => ", projected",
+            Variant::ImpactResolved => ", impacts located",
+        };
+        format!("tangency {}{mode}", self.backend)
     }
 
     fn settings(&self) -> String {
-        let joints = match self.joints {
-            Joints::AsDefined => "joint errors removed within the velocity solve",
-            Joints::Projected => "joint errors removed by a projection after every move",
+        let mode = match self.variant {
+            Variant::AsDefined => "joint errors removed within the velocity solve",
+            Variant::Projected => "joint errors removed by a projection after every move",
+            Variant::ImpactResolved => "steps divided at impacts (stepping impact_resolved)",
         };
-        format!("backend {}; residual ≤ 1e-10 in every step; {joints}", self.backend)
+        format!("backend {}; residual ≤ 1e-10 in every step; {mode}", self.backend)
     }
 
     fn build(&self, def: &SceneDef) -> Result<Box<dyn World + '_>, Refusal> {

@@ -5,6 +5,7 @@
 //! and a page are written from that.
 
 mod digits;
+mod engines;
 mod export;
 mod figures;
 mod goals;

@@ -130,6 +130,18 @@ pub enum Failure {
         /// What is wrong with it.
         source: FormulaError,
     },
+    /// A search cannot begin on or outside of a parameter's bounds.
+    #[error("parameter {name:?} begins at {value}; give a start between {lower} and {upper}")]
+    Start {
+        /// The parameter.
+        name: String,
+        /// Its first value.
+        value: f64,
+        /// Lower bound.
+        lower: f64,
+        /// Upper bound.
+        upper: f64,
+    },
     /// As many starts as parameters are needed.
     #[error("--start has {found} numbers, --learn {expected} parameters; give one for each")]
     StartCount {
@@ -194,6 +206,7 @@ impl Failure {
             | Self::Value { .. }
             | Self::TooManySteps { .. }
             | Self::Loss { .. }
+            | Self::Start { .. }
             | Self::StartCount { .. }
             | Self::Overlap { .. } => ExitCode::from(2),
             Self::Write { .. }

@@ -2,7 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
+use tangency::control::Residuals;
 use tangency::diff::{GradientReport, Parameter, gradient, tangent};
 use tangency::lcp::LcpSolver;
 use tangency::{Rollout, Scene, State, simulate};
@@ -38,15 +39,6 @@ pub struct Evaluation {
     pub forward: Duration,
     /// Time of the reverse pass.
     pub reverse: Duration,
-}
-
-/// Residuals of an observed motion and their derivatives by the parameters.
-#[derive(Clone, Debug)]
-pub struct Linearisation {
-    /// Residuals; their squares add up to the loss.
-    pub residuals: Vec<f64>,
-    /// Residuals × parameters.
-    pub jacobian: DMatrix<f64>,
 }
 
 impl Objective<'_> {
@@ -110,11 +102,7 @@ impl Objective<'_> {
     ///
     /// # Errors
     /// As [`Objective::evaluate`].
-    pub fn linearise(
-        &self,
-        observed: &Observations,
-        values: &[f64],
-    ) -> Result<Linearisation, Failure> {
+    pub fn linearise(&self, observed: &Observations, values: &[f64]) -> Result<Residuals, Failure> {
         let (scene, rollout) = self.rollout(values)?;
         let residuals = observed.scaled_residuals(&rollout);
         let mut jacobian = DMatrix::zeros(residuals.len(), self.parameters.len());
@@ -123,7 +111,7 @@ impl Objective<'_> {
             let changes = observed.scaled_changes(&rollout, &tangent(&scene, &rollout, &along)?);
             column.copy_from_slice(&changes);
         }
-        Ok(Linearisation { residuals, jacobian })
+        Ok(Residuals { values: DVector::from_vec(residuals), jacobian })
     }
 
     /// The same with fewer steps.

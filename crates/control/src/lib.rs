@@ -13,6 +13,10 @@
 //! What moves is anything that has [`Dynamics`]: [`SceneDynamics`] are those of a scene. What it costs
 //! is anything that is a [`Cost`]: [`Quadratic`] or one's own. Neither knows of the other, and nothing
 //! here knows how a step is solved. Same input, same bits.
+//!
+//! Where not controls but a few numbers are sought (a throw, a mass), or second derivatives are of no use,
+//! a loss is made small by [`GradientDescent`], [`Lbfgs`] or [`GaussNewton`]: of anything that is an
+//! [`Objective`] or a sum of [`LeastSquares`]. [`Shooting`] is the cost of a scene's motion as such a loss.
 
 // In reading order: what is planned for,
 mod cost;
@@ -29,13 +33,26 @@ mod regularisation;
 mod error;
 mod plan;
 mod planner;
+// Losses of numbers, and how they are made small.
+mod bounds;
+mod gauss_newton;
+mod gradient_descent;
+mod lbfgs;
+mod objective;
+mod shooting;
 
+pub use bounds::Bounds;
 pub use box_qp::{BoxQp, BoxQpSolution};
 pub use cost::{Cost, Expansion, LastExpansion};
 pub use dynamics::{Dynamics, Linearisation};
 pub use error::PlanError;
+pub use gauss_newton::GaussNewton;
+pub use gradient_descent::GradientDescent;
+pub use lbfgs::Lbfgs;
 pub use limits::ControlLimits;
+pub use objective::{Iterate, LeastSquares, Objective, Residuals, SearchError, Slope, Watch};
 pub use plan::{Ending, Plan};
 pub use planner::Planner;
 pub use quadratic::Quadratic;
 pub use scene_dynamics::{SceneDynamics, SceneDynamicsError};
+pub use shooting::{Shooting, ShootingError};

@@ -2,7 +2,7 @@
 
 use tangency_bench::batch::Throughput;
 use tangency_bench::check::Check;
-use tangency_bench::precision::Front;
+use tangency_bench::precision::{Front, Point};
 
 use super::outcome::{ALL, HARD, MANY, Outcome};
 use super::row::Row;
@@ -26,6 +26,7 @@ pub(super) fn goals(outcome: &Outcome) -> Vec<Check> {
     all.extend(stack(outcome));
     all.extend(chains(outcome));
     all.extend(pyramids(outcome));
+    all.extend(modes(outcome));
     all.extend(gradients(outcome));
     all.extend(solvers(outcome));
     all.extend(growth(outcome));
@@ -115,10 +116,32 @@ fn at_equal_error(outcome: &Outcome, case: &str) -> Option<f64> {
     points.map(|p| time_to(own, p.error.state()) / p.time.least).reduce(f64::max)
 }
 
+/// Time of fixed steps over that of steps divided at events, both as accurate: as far as fixed steps were
+/// not made short enough, as if their error went on falling with dt.
+fn fixed_over(outcome: &Outcome, case: &str, mode: &str, error: f64) -> Option<f64> {
+    let (_, fronts) = outcome.precision.iter().find(|(it, _)| it.id == case)?;
+    let named = |name: &str| fronts.iter().find(|front| front.engine == name);
+    let (fixed, divided) = (named(&outcome.own)?, named(&format!("{}, {mode}", outcome.own))?);
+    let slower = |point: &Point| point.time.least * (point.error.state() / error).max(1.0);
+    let fixed = fixed.points.iter().map(slower).reduce(f64::min)?;
+    Some(fixed / time_to(divided, error))
+}
+
 /// The least time of a front's points that are as accurate, s; infinite if none is.
 fn time_to(front: &Front, error: f64) -> f64 {
     let enough = front.points.iter().filter(|point| point.error.state() <= error);
     enough.map(|point| point.time.least).fold(f64::INFINITY, f64::min)
+}
+
+fn modes(outcome: &Outcome) -> Vec<Check> {
+    let mut all = Vec::new();
+    for case in ["V02", "V04", "V07", "V10"] {
+        for (error, least) in [(1e-4, 10.0), (1e-7, 1000.0)] {
+            let what = format!("{case}: time of fixed steps over accurate ones, error {error:.0e}");
+            all.push(Check::at_least(what, fixed_over(outcome, case, "accurate", error), least));
+        }
+    }
+    all
 }
 
 fn gradients(outcome: &Outcome) -> Vec<Check> {

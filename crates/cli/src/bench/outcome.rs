@@ -3,7 +3,7 @@
 use std::fs;
 
 use core_affinity::CoreId;
-use tangency::{Scene, SceneDef, default_solver, load_scene};
+use tangency::{Scene, default_solver, load_scene};
 use tangency_bench::batch::{self, Throughput, batched_scenes};
 use tangency_bench::check::Check;
 use tangency_bench::engine::{Engine, Refusal};
@@ -18,7 +18,8 @@ use tangency_bench::recorded::{Score, compare, hard, problems, spread};
 use tangency_bench::scenes::race_scenes;
 
 use super::Part;
-use super::plan::{Plan, candidates, own, peers, pools};
+use super::engines::{all, fitting, modes, own, peers};
+use super::plan::{Plan, candidates, pools};
 use super::row::Row;
 use super::weigh::{self, Weight};
 use crate::{Console, Failure};
@@ -76,15 +77,16 @@ impl Outcome {
         let mut outcome = Self::default();
         let own = own();
         let others = peers(false);
-        for engine in all(&own, &others) {
-            outcome.settings.push((engine.name(), engine.settings()));
-        }
+        let modes = modes();
+        let described =
+            all(&own, &others).into_iter().chain(modes.iter().map(|e| e as &dyn Engine));
+        outcome.settings = described.map(|engine| (engine.name(), engine.settings())).collect();
         outcome.own = own.first().map(Engine::name).unwrap_or_default();
         if plan.has(Part::Race) {
             outcome.race(plan, &own, console);
         }
         if plan.has(Part::Precision) {
-            outcome.precision(plan, &own, console);
+            outcome.precision(plan, &own, &modes, console);
         }
         if plan.has(Part::Growth) {
             outcome.growth(plan, &own, console);
@@ -186,12 +188,12 @@ impl Outcome {
         self.race = entries.iter().map(Row::from).collect();
     }
 
-    fn precision(&mut self, plan: &Plan, own: &[Tangency], console: &Console) {
+    fn precision(&mut self, plan: &Plan, own: &[Tangency], modes: &[Tangency], console: &Console) {
         let others = peers(true);
         let cases = cases(plan.base);
         let progress = console.progress(cases.len(), "time against error");
         for case in cases {
-            let engines = fitting(own, &others, &case.def);
+            let engines = fitting(own.iter().chain(modes), &others, &case.def);
             let fronts = sweep(&case, &engines, plan.halvings, &plan.sweep);
             self.precision.push((case, fronts));
             progress.inc(1);
@@ -267,21 +269,6 @@ pub(super) const MANY: usize = 10_000;
 
 fn in_part(part: &'static str) -> impl Fn(Refusal) -> Failure {
     move |source| Failure::Bench { part, source }
-}
-
-fn all<'a>(own: &'a [Tangency], others: &'a [Box<dyn Engine>]) -> Vec<&'a dyn Engine> {
-    let own = own.iter().map(|engine| engine as &dyn Engine);
-    own.chain(others.iter().map(|engine| &**engine)).collect()
-}
-
-/// Ours that make a difference in a scene, and all others.
-fn fitting<'a>(
-    own: &'a [Tangency],
-    others: &'a [Box<dyn Engine>],
-    def: &SceneDef,
-) -> Vec<&'a dyn Engine> {
-    let own = own.iter().filter(|engine| engine.fits(def)).map(|engine| engine as &dyn Engine);
-    own.chain(others.iter().map(|engine| &**engine)).collect()
 }
 
 /// The scene files of the folder, by name.

@@ -6,9 +6,7 @@ use std::time::Duration;
 
 use core_affinity::CoreId;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
-use tangency::{BACKENDS, backend, solvers_at};
-use tangency_bench::engine::Engine;
-use tangency_bench::own::{Joints, Tangency};
+use tangency::solvers_at;
 use tangency_bench::recorded::Candidate;
 use tangency_bench::timing::Patience;
 
@@ -86,36 +84,6 @@ impl Plan {
     pub(super) fn has(&self, part: Part) -> bool {
         self.parts.is_empty() || self.parts.contains(&part)
     }
-}
-
-/// Backends that take scenes of any size.
-fn backends() -> impl Iterator<Item = &'static str> {
-    BACKENDS.iter().copied().filter(|name| *name != "lemke")
-}
-
-/// This engine: every backend with joints as defined, and the first with joints projected.
-pub(super) fn own() -> Vec<Tangency> {
-    let on = |name, joints| backend(name).map(|solver| Tangency { backend: name, solver, joints });
-    let projected = backends().next().and_then(|name| on(name, Joints::Projected));
-    let mut all: Vec<Tangency> =
-        backends().filter_map(|name| on(name, Joints::AsDefined)).collect();
-    all.extend(projected);
-    all
-}
-
-/// Other engines of this build: in the sweep fewer settings of each.
-#[cfg(feature = "peers")]
-pub(super) fn peers(sweep: bool) -> Vec<Box<dyn Engine>> {
-    use tangency_bench::peers::{Phyz, Rapier};
-    let iterations: &[usize] = if sweep { &[4, 16] } else { &[1, 4, 16, 64] };
-    let rapiers = iterations.iter().map(|n| Box::new(Rapier { iterations: *n }) as Box<dyn Engine>);
-    rapiers.chain([Box::new(Phyz) as Box<dyn Engine>]).collect()
-}
-
-/// Other engines of this build: none.
-#[cfg(not(feature = "peers"))]
-pub(super) fn peers(_sweep: bool) -> Vec<Box<dyn Engine>> {
-    Vec::new()
 }
 
 /// A pool of one thread, and one with a thread on each core.

@@ -9,8 +9,8 @@ use tangency_bench::gradients::tape;
 use tangency_bench::memory::of_world;
 use tangency_bench::race::heats;
 
+use super::engines::own;
 use super::outcome::MANY;
-use super::plan::own;
 use crate::{Console, Failure};
 
 /// What is weighed of a scene.

@@ -5,4 +5,5 @@ mod linear;
 mod refusals;
 mod regulator;
 mod scene;
+mod searching;
 mod swing;

@@ -183,7 +183,7 @@ fn noise(setup: &Setup<'_>, seed: u64, seeds: u64, console: &Console) -> Result<
 /// Least squares to first order: δm = Σ Jᵢ εᵢ / Σ Jᵢ².
 fn expected_spread(setup: &Setup<'_>) -> Result<f64, Failure> {
     let linear = setup.objective().linearise(&setup.observed, &[TRUE_MASS])?;
-    let scale = (linear.residuals.len() as f64).sqrt();
+    let scale = (linear.values.len() as f64).sqrt();
     let sigmas = [SIGMA[0], SIGMA[0], SIGMA[1]].into_iter().cycle();
     let slopes = linear.jacobian.iter().map(|j| j * scale);
     let (variance, squares) = slopes
