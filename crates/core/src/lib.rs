@@ -36,6 +36,7 @@ mod param;
 mod scene;
 mod state;
 // and how it moves.
+mod checkpoints;
 mod detect;
 mod frames;
 mod guess;
@@ -62,6 +63,7 @@ mod step;
 mod touch;
 
 pub use body::{BodyDef, BodyKind};
+pub use checkpoints::{Checkpoints, checkpointed_rollout, checkpointed_rollout_in};
 pub use error::{SceneError, StepError};
 pub use force::{ControlDef, ControlInput, ForceDef};
 pub use inspect::{Inspection, IslandInspection, inspect};

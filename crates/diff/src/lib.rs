@@ -20,11 +20,15 @@ mod shape;
 mod softening;
 mod vector;
 // steps and rollouts,
+mod checkpoints;
 mod division;
 mod error;
+mod growth;
+mod impulse;
 mod report;
 mod reverse;
 mod rollout;
+mod seeds;
 mod sizes;
 mod step;
 // all derivatives of a step at once, and products with those of a rollout,
@@ -35,12 +39,16 @@ mod step_jacobian;
 // and names for parameters.
 mod parameter;
 
+pub use checkpoints::{checkpointed_gradient, checkpointed_gradient_with_impulses};
 pub use coordinates::Coordinates;
 pub use error::DiffError;
 pub use gauss_newton::{GaussNewton, ResidualSeed};
+pub use impulse::RowImpulse;
 pub use parameter::{Parameter, ParameterError};
 pub use report::{GaveWay, GradientReport, OneSided, Switch};
-pub use rollout::{Gradient, gradient, gradient_adding, tangent};
+pub use rollout::{
+    Gradient, gradient, gradient_adding, gradient_with_impulses, tangent, tangent_with_impulses,
+};
 pub use step::{step_jvp, step_vjp};
 pub use step_jacobian::{StepJacobian, step_jacobian};
 pub use vector::{BodyVector, Direction, JointVector, RolloutVector, SceneVector, StateVector};

@@ -23,13 +23,15 @@ pub(crate) fn state_vector(
     finite(what, state_is_finite(vector))
 }
 
+/// Refuses a state of another scene.
+pub(crate) fn state(what: &'static str, scene: &Scene, state: &State) -> Result<(), DiffError> {
+    length(what, scene.bodies().len(), state.q.len())?;
+    length(what, scene.bodies().len(), state.v.len())
+}
+
 /// Refuses a rollout of another scene.
 pub(crate) fn rollout(scene: &Scene, rollout: &Rollout) -> Result<(), DiffError> {
-    let bodies = scene.bodies().len();
-    for state in rollout.states() {
-        length("a state of the rollout", bodies, state.q.len())?;
-        length("a state of the rollout", bodies, state.v.len())?;
-    }
+    rollout.states().try_for_each(|it| state("a state of the rollout", scene, it))?;
     let channels = scene.controls().len();
     let controls = rollout.records.iter().map(|record| &record.control);
     controls.into_iter().try_for_each(|u| length("a control of the rollout", channels, u.len()))
@@ -37,10 +39,9 @@ pub(crate) fn rollout(scene: &Scene, rollout: &Rollout) -> Result<(), DiffError>
 
 /// Refuses a step of another scene.
 pub(crate) fn step(scene: &Scene, before: &State, record: &StepRecord) -> Result<(), DiffError> {
-    for state in [before, &record.after] {
-        length("a state of the step", scene.bodies().len(), state.q.len())?;
-        length("a state of the step", scene.bodies().len(), state.v.len())?;
-    }
+    [before, &record.after]
+        .into_iter()
+        .try_for_each(|it| state("a state of the step", scene, it))?;
     length("the control of the step", scene.controls().len(), record.control.len())
 }
 
