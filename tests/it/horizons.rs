@@ -49,7 +49,9 @@ fn few_records_give_the_same_bits() {
     for solver in backends() {
         for entry in battery() {
             let scene = built(&entry.def);
-            [1, 2, 3, 10].into_iter().for_each(|steps| check(&scene, &*solver, steps));
+            for steps in [1, 2, 3, 10] {
+                check(&scene, &*solver, steps);
+            }
         }
         for def in [
             pendulum(2.0),

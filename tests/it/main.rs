@@ -22,6 +22,7 @@ mod gradients;
 mod horizons;
 mod impacts;
 mod impulses;
+mod joint_motions;
 mod joints;
 mod modelling;
 mod motors;

@@ -28,7 +28,7 @@ pub struct Arguments {
     /// squared error of all its poses, compared at equal times.
     #[arg(long, allow_hyphen_values = true)]
     pub loss: String,
-    /// Parameters, such as `mass:links,velocity.x:ball,gravity.y`
+    /// Parameters, such as `mass:links,velocity.x:ball,width:box,gravity.y`
     #[arg(long, required = true, value_delimiter = ',')]
     pub wrt: Vec<String>,
     /// Number of steps [default: to the end of the trajectory, or of the scene]

@@ -81,5 +81,5 @@ pub use simulator::Simulator;
 pub use stage::Stage;
 pub use state::State;
 pub use step::{next_step, step};
-pub use tangency_collision::{Contact, ContactId, Pose, Shape};
+pub use tangency_collision::{Contact, ContactId, Pose, Shape, ShapeNumber};
 pub use tangency_lcp as lcp;

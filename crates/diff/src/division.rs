@@ -49,7 +49,7 @@ impl Reverse {
             let before = start(before, record, k);
             report.go_to(Some(k + 1));
             if let Some(impact) = impact.take() {
-                self.hit(scene, before, [part, impact], k, by_length, bars, report)?;
+                self.hit(scene, (k, before), [part, impact], by_length, bars, report)?;
             }
             report.go_to(Some(k));
             self.impulses.go_to(Some(k));
@@ -60,13 +60,13 @@ impl Reverse {
         Ok(())
     }
 
-    /// What comes through the time of an impact, by the state that the flow before it, part k, ends in.
+    /// What comes through the time of an impact, by the state that the flow before it, part k from the
+    /// state `before`, ends in.
     fn hit(
         &mut self,
         scene: &Scene,
-        before: &State,
+        (k, before): (usize, &State),
         [flow, impact]: [&StepRecord; 2],
-        k: usize,
         by_length: f64,
         bars: &mut Bars<'_>,
         report: &mut GradientReport,

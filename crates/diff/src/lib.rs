@@ -1,7 +1,7 @@
 //! Derivatives of the complementarity problem, of steps, and of whole rollouts.
 //!
 //! Differentiated is everything that enters a step: initial state, controls, masses, inertias,
-//! friction, restitution, radii, gravity, anchors, lengths, motors, limits, springs, forces, dt.
+//! friction, restitution, shapes, gravity, anchors, lengths, motors, limits, springs, forces, dt.
 //! Held fixed are discrete choices: which features touch, and on which piece of its law each row
 //! lies. At a switch the derivative is one-sided, and [`GradientReport`] says so.
 //!
@@ -36,7 +36,8 @@ mod coordinates;
 mod gauss_newton;
 mod joint_force;
 mod step_jacobian;
-// and names for parameters.
+// and what may be differentiated by: parameters by name, joints with what hangs on them.
+mod joint_motion;
 mod parameter;
 
 pub use checkpoints::{checkpointed_gradient, checkpointed_gradient_with_impulses};
@@ -44,6 +45,7 @@ pub use coordinates::Coordinates;
 pub use error::DiffError;
 pub use gauss_newton::{GaussNewton, ResidualSeed};
 pub use impulse::RowImpulse;
+pub use joint_motion::{JointMotion, JointMotionError, joint_motion};
 pub use parameter::{Parameter, ParameterError};
 pub use report::{GaveWay, GradientReport, OneSided, Switch};
 pub use rollout::{

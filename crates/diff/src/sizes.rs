@@ -74,6 +74,8 @@ pub(crate) fn scene_vector(
     length(what, scene.forces().len(), vector.forces.len())?;
     for (body, collider) in vector.bodies.iter().zip(scene.colliders()) {
         length(what, collider.shapes().len(), body.radii.len())?;
+        length(what, collider.shapes().len(), body.turns.len())?;
+        length(what, collider.vertex_count(), body.vertices.len())?;
     }
     finite(what, scene_is_finite(vector))
 }
@@ -96,9 +98,9 @@ fn scene_is_finite(vector: &SceneVector) -> bool {
 }
 
 fn body_is_finite(vector: &BodyVector) -> bool {
-    let BodyVector { mass, friction, restitution, radii } = vector;
-    let numbers = mass.iter().chain([friction, restitution]).chain(radii);
-    numbers.into_iter().all(|x| x.is_finite())
+    let BodyVector { mass, friction, restitution, radii, vertices, turns } = vector;
+    let numbers = mass.iter().chain([friction, restitution]).chain(radii).chain(turns);
+    numbers.into_iter().chain(vertices.iter().flatten()).all(|x| x.is_finite())
 }
 
 fn joint_is_finite(vector: &JointVector) -> bool {
