@@ -3,6 +3,7 @@
 mod free;
 mod gradients;
 mod resting;
+mod shapes;
 
 use tangency::{BodyDef, SceneDef, Stepping};
 use tangency_bench::scenes::{disc, floor, material};

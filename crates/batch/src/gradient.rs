@@ -1,7 +1,7 @@
 //! Gradients side by side.
 
 use tangency_core::{Rollout, State};
-use tangency_diff::{Gradient, StateVector, gradient_adding};
+use tangency_diff::{Gradient, StateVector, checkpointed_gradient, gradient_adding};
 
 use crate::{Batch, BatchError, Controls, Failure, Outcomes};
 
@@ -61,12 +61,31 @@ impl Batch {
             let mut value = 0.0;
             let term = |k, state: &_, bar: &mut _| value += loss(environment, k, state, bar);
             let gradient = self.differentiate(environment, run, term)?;
-            if value.is_finite() {
-                Ok(Evaluation { value, gradient })
-            } else {
-                Err(Failure::Loss { environment, value })
-            }
+            evaluation(environment, value, gradient)
         })
+    }
+
+    /// As [`value_and_gradient`](Self::value_and_gradient), to the last bit, for long rollouts: in memory
+    /// that grows with the root of the number of steps, for the price of one more run.
+    ///
+    /// # Errors
+    /// As [`value_and_gradient`](Self::value_and_gradient).
+    pub fn checkpointed_value_and_gradient(
+        &self,
+        steps: usize,
+        controls: Controls<'_>,
+        loss: impl Fn(usize, usize, &State, &mut StateVector) -> f64 + Sync,
+    ) -> Result<Outcomes<Evaluation>, BatchError> {
+        controls.check(self.len(), steps, self.channels)?;
+        Ok(self.look_ahead(|environment, workspace| {
+            let run = self.roll_checkpointed(environment, steps, &controls, workspace)?;
+            let mut value = 0.0;
+            let term = |k, state: &_, bar: &mut _| value += loss(environment, k, state, bar);
+            let scene = self.scene(environment);
+            let gradient = checkpointed_gradient(scene, &*self.solver, &run, term)
+                .map_err(|source| Failure::Gradient { environment, source })?;
+            evaluation(environment, value, gradient)
+        }))
     }
 
     fn differentiate(
@@ -77,5 +96,14 @@ impl Batch {
     ) -> Result<Gradient, Failure> {
         gradient_adding(self.scene(environment), run, add_seed)
             .map_err(|source| Failure::Gradient { environment, source })
+    }
+}
+
+/// Refuses a loss that is not finite.
+fn evaluation(environment: usize, value: f64, gradient: Gradient) -> Result<Evaluation, Failure> {
+    if value.is_finite() {
+        Ok(Evaluation { value, gradient })
+    } else {
+        Err(Failure::Loss { environment, value })
     }
 }

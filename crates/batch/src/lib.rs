@@ -6,7 +6,8 @@
 //! ```text
 //!  step, advance                     move the environments, each warm from its own last step
 //!  rollout, map_rollouts,            look ahead from where each environment is, and leave it there
-//!  gradient, value_and_gradient
+//!  gradient, value_and_gradient,
+//!  checkpointed_value_and_gradient
 //! ```
 //!
 //! Environments know nothing of each other: what one does has the same bits as a

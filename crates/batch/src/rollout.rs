@@ -1,7 +1,9 @@
 //! Rollouts side by side.
 
 use rayon::prelude::*;
-use tangency_core::{Rollout, State, rollout_in};
+use tangency_core::{
+    Checkpoints, Rollout, Scene, State, StepError, StepScratch, checkpointed_rollout_in, rollout_in,
+};
 
 use crate::controls::Place;
 use crate::outcomes::Outcomes;
@@ -86,15 +88,46 @@ impl Batch {
         controls: &Controls<'_>,
         workspace: &mut Workspace,
     ) -> Result<Rollout, Failure> {
-        let Place { environment, steps, .. } = place;
+        let steps = place.steps;
+        self.drive(place, controls, workspace, |scene, initial, control, scratch| {
+            rollout_in(scene, &*self.solver, initial, steps, control, scratch)
+        })
+    }
+
+    /// The same with few of its records.
+    pub(crate) fn roll_checkpointed(
+        &self,
+        environment: usize,
+        steps: usize,
+        controls: &Controls<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<Checkpoints, Failure> {
+        let place = self.place(environment, steps);
+        self.drive(place, controls, workspace, |scene, initial, control, scratch| {
+            checkpointed_rollout_in(scene, &*self.solver, initial, steps, control, scratch)
+        })
+    }
+
+    /// What `run` makes of one environment's scene and state under its controls.
+    fn drive<T>(
+        &self,
+        place: Place,
+        controls: &Controls<'_>,
+        workspace: &mut Workspace,
+        run: impl FnOnce(&Scene, State, &mut Control<'_>, &mut StepScratch) -> Result<T, StepError>,
+    ) -> Result<T, Failure> {
+        let environment = place.environment;
         let Workspace { scratch, control: room } = workspace;
         let (scene, initial) = (self.scene(environment), self.state(environment).clone());
         let mut step = 0;
-        let control = |k, state: &State| {
+        let mut control = |k, state: &State| {
             step = k;
             controls.at(Place { step, ..place }, state, room).to_vec()
         };
-        rollout_in(scene, &*self.solver, initial, steps, control, scratch)
-            .map_err(|source| Failure::Step { environment, step, source })
+        let made = run(scene, initial, &mut control, scratch);
+        made.map_err(|source| Failure::Step { environment, step, source })
     }
 }
+
+/// The control of a step in a state.
+type Control<'a> = dyn FnMut(usize, &State) -> Vec<f64> + 'a;

@@ -44,7 +44,10 @@ pub fn params(scene: &Scene) -> Vec<Param> {
     for (i, collider) in scene.colliders().iter().enumerate() {
         all.extend([Param::Mass(i), Param::Density(i), Param::Inertia(i)]);
         all.extend([Param::Friction(i), Param::Restitution(i)]);
-        all.extend((0..collider.shapes().len()).map(|k| Param::Radius(i, k)));
+        for (k, shape) in collider.shapes().iter().enumerate() {
+            all.push(Param::Radius(i, k));
+            all.extend(shape.numbers().into_iter().map(|number| Param::Shape(i, k, number)));
+        }
         all.extend((0..3).flat_map(|axis| [Param::Position(i, axis), Param::Velocity(i, axis)]));
     }
     for j in 0..scene.joints().len() {

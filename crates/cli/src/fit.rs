@@ -77,7 +77,8 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let observed = Observations::read(&arguments.observed, &scene)?;
     let steps = optimise::steps_until(scene.dt(), observed.end())?;
     let solver = solver.as_ref();
-    let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
+    let objective =
+        Objective { scene: &scene, parameters: &parameters, solver, steps, checkpoints: false };
     let start = start_values(arguments, &objective)?;
     let settings = Settings {
         iterations: arguments.iterations,

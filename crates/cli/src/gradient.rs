@@ -5,11 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::Serialize;
 use tangency::diff::{OneSided, Parameter, Switch};
-use tangency::{Param, Rollout, RowSource, Scene};
+use tangency::{Param, RowSource, Scene, Simulator, State, StepRecord};
 use tangency_bench::finite_difference::derivative;
 
 use crate::args::positive;
 use crate::grid::Grid;
+use crate::growth::Growth;
 use crate::loss::Loss;
 use crate::objective::{Evaluation, Objective};
 use crate::simulate::{find_solver, n_steps, scene_with, whole};
@@ -27,7 +28,7 @@ pub struct Arguments {
     /// squared error of all its poses, compared at equal times.
     #[arg(long, allow_hyphen_values = true)]
     pub loss: String,
-    /// Parameters, such as `mass:links,velocity.x:ball,gravity.y`
+    /// Parameters, such as `mass:links,velocity.x:ball,width:box,gravity.y`
     #[arg(long, required = true, value_delimiter = ',')]
     pub wrt: Vec<String>,
     /// Number of steps [default: to the end of the trajectory, or of the scene]
@@ -39,6 +40,10 @@ pub struct Arguments {
     /// Time step, s [default: the scene's]
     #[arg(long, value_parser = positive)]
     pub dt: Option<f64>,
+    /// Keep few records and make the others again: memory that grows with the root of the number of steps,
+    /// for one more run; the digits are the same
+    #[arg(long)]
+    pub checkpoints: bool,
     /// Compare with extrapolated central differences; fails if they disagree
     #[arg(long)]
     pub check: bool,
@@ -62,6 +67,8 @@ struct Report {
     parameters: Vec<ParameterReport>,
     /// Steps and rows at which the derivative is one-sided.
     one_sided: Vec<String>,
+    /// How much the gradient grows on its way back.
+    growth: Growth,
     residual: f64,
     forward_seconds: f64,
     reverse_seconds: f64,
@@ -96,13 +103,13 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
         None => n_steps(duration, scene.dt())?,
     };
     let solver = solver.as_ref();
-    let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
+    let (parameters, checkpoints) = (&parameters[..], arguments.checkpoints);
+    let objective = Objective { scene: &scene, parameters, solver, steps, checkpoints };
     let values = objective.values();
     let evaluation = objective.evaluate(&loss, &values)?;
     let differences =
         if arguments.check { Some(differences(&objective, &loss, console)?) } else { None };
-    let (_, rollout) = objective.rollout(&values)?;
-    let report = Report::new(&objective, &loss, &rollout, &evaluation, differences.as_deref());
+    let report = Report::new(&objective, &loss, &evaluation, differences.as_deref())?;
     if arguments.json {
         console.say(serde_json::to_string_pretty(&report).unwrap_or_default());
     } else {
@@ -177,10 +184,9 @@ impl Report {
     fn new(
         objective: &Objective<'_>,
         loss: &Loss,
-        rollout: &Rollout,
         found: &Evaluation,
         differences: Option<&[Difference]>,
-    ) -> Self {
+    ) -> Result<Self, Failure> {
         let parameter = |(index, parameter): (usize, &Parameter)| {
             let gradient = found.gradient[index];
             let difference = differences.map(|list| list[index]);
@@ -192,21 +198,19 @@ impl Report {
                 relative_error: difference.map(|d| d.relative_error(gradient)),
             }
         };
-        let one_sided = &found.report.one_sided;
-        Self {
+        let (states, mut one_sided) = retrace(objective, &found.report.one_sided)?;
+        one_sided.extend(meeting_times(objective, loss, &states));
+        Ok(Self {
             loss: found.loss,
             steps: objective.steps,
-            duration: rollout.last().time,
+            duration: states[states.len() - 1].time,
             parameters: objective.parameters.iter().enumerate().map(parameter).collect(),
-            one_sided: one_sided
-                .iter()
-                .map(|it| describe(it, objective.scene, rollout))
-                .chain(meeting_times(objective, loss, rollout))
-                .collect(),
+            one_sided,
+            growth: Growth::of(&found.report),
             residual: found.residual,
             forward_seconds: found.forward.as_secs_f64(),
             reverse_seconds: found.reverse.as_secs_f64(),
-        }
+        })
     }
 
     fn text(&self) -> String {
@@ -229,9 +233,10 @@ impl Report {
                 self.one_sided.len()
             ),
         };
+        let growth = self.growth.warning().map_or_else(String::new, |it| format!("\n\n{it}"));
         format!(
             "loss {} after {} steps ({:.6} s); rollout {:.1} ms, reverse pass {:.1} ms\n\n\
-             {grid}{one_sided}",
+             {grid}{one_sided}{growth}",
             self.loss,
             self.steps,
             self.duration,
@@ -263,19 +268,36 @@ fn exact(number: f64) -> String {
 }
 
 /// By dt an interpolated motion has a kink wherever an observed time meets a step.
-fn meeting_times(objective: &Objective<'_>, loss: &Loss, rollout: &Rollout) -> Option<String> {
+fn meeting_times(objective: &Objective<'_>, loss: &Loss, states: &[State]) -> Option<String> {
     let is_dt = |parameter: &Parameter| parameter.targets.iter().any(|t| t.0 == Param::Dt);
     let Loss::Observed(observed) = loss else { return None };
     let by_dt = objective.parameters.iter().any(is_dt);
-    (by_dt && observed.meets_steps(rollout))
+    (by_dt && observed.meets_steps(&states.iter().collect::<Vec<_>>()))
         .then(|| "by dt, because observed times meet steps exactly".into())
 }
 
+/// Runs the motion once more: its states, and in words what lies on a switch, step by step.
+fn retrace(
+    objective: &Objective<'_>,
+    one_sided: &[OneSided],
+) -> Result<(Vec<State>, Vec<String>), Failure> {
+    let scene = objective.scene;
+    let mut motion = Simulator::new(scene, objective.solver);
+    let (mut states, mut words) = (vec![motion.state().clone()], Vec::new());
+    let control = vec![0.0; scene.controls().len()];
+    for step in 0..objective.steps {
+        let record = motion.step(&control)?;
+        let here = one_sided.iter().filter(|it| it.step == step);
+        words.extend(here.map(|it| describe(it, scene, record)));
+        states.push(record.after.clone());
+    }
+    Ok((states, words))
+}
+
 /// What lies on a switch, in words.
-fn describe(it: &OneSided, scene: &Scene, rollout: &Rollout) -> String {
+fn describe(it: &OneSided, scene: &Scene, record: &StepRecord) -> String {
     let joint = |j: u32| format!("joint {}", scene.joints()[j as usize].name);
     let contact = |c: u32| {
-        let record = &rollout.records[it.step];
         let part = it.part.map_or(record, |part| &record.parts[part]);
         let bodies = part.contacts.get(c as usize).map(|contact| {
             contact.feature.id.bodies.map(|b| scene.bodies()[b as usize].name.as_str())

@@ -27,6 +27,7 @@ mod console;
 mod failure;
 mod formula;
 mod grid;
+pub mod growth;
 pub mod loss;
 pub mod objective;
 pub mod observations;
@@ -36,6 +37,7 @@ pub mod replay;
 pub mod run;
 mod summary;
 mod table;
+pub mod tape;
 pub mod trajectory_file;
 
 use std::process::ExitCode;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use tangency::diff::StateVector;
-use tangency::{Rollout, Scene};
+use tangency::{Scene, State};
 
 use crate::Failure;
 use crate::formula::Formula;
@@ -43,23 +43,23 @@ impl Loss {
         formula.map(Self::Formula).map_err(|source| Failure::Loss { text: text.into(), source })
     }
 
-    /// Its value.
+    /// Its value over the states of a rollout, the initial one first.
     #[must_use]
-    pub fn value(&self, rollout: &Rollout) -> f64 {
+    pub fn value(&self, states: &[&State]) -> f64 {
         match self {
-            Self::Formula(formula) => formula.evaluate(&coordinates(formula, rollout)).0,
-            Self::Observed(observed) => observed.loss(rollout),
+            Self::Formula(formula) => formula.evaluate(&coordinates(formula, states)).0,
+            Self::Observed(observed) => observed.loss(states),
         }
     }
 
-    /// ∂L/∂(state k) for every state of the rollout.
+    /// ∂L/∂(state k) for every state of a rollout.
     #[must_use]
-    pub fn seeds(&self, rollout: &Rollout) -> Vec<Option<StateVector>> {
+    pub fn seeds(&self, states: &[&State]) -> Vec<Option<StateVector>> {
         match self {
             Self::Formula(formula) => {
-                let mut seeds = vec![None; rollout.records.len()];
-                let mut last = StateVector::like(rollout.last());
-                let (_, slopes) = formula.evaluate(&coordinates(formula, rollout));
+                let mut seeds = vec![None; states.len() - 1];
+                let mut last = StateVector::like(states[0]);
+                let (_, slopes) = formula.evaluate(&coordinates(formula, states));
                 for (Coordinate { body, component }, slope) in formula.variables.iter().zip(slopes)
                 {
                     let list = if *component < 3 { &mut last.q } else { &mut last.v };
@@ -68,13 +68,13 @@ impl Loss {
                 seeds.push(Some(last));
                 seeds
             }
-            Self::Observed(observed) => observed.seeds(rollout).into_iter().map(Some).collect(),
+            Self::Observed(observed) => observed.seeds(states).into_iter().map(Some).collect(),
         }
     }
 }
 
-fn coordinates(formula: &Formula<Coordinate>, rollout: &Rollout) -> Vec<f64> {
-    let state = rollout.last();
+fn coordinates(formula: &Formula<Coordinate>, states: &[&State]) -> Vec<f64> {
+    let state = states[states.len() - 1];
     let number = |c: &Coordinate| {
         let list = if c.component < 3 { &state.q } else { &state.v };
         list[c.body][c.component % 3]

@@ -4,13 +4,14 @@ use std::time::{Duration, Instant};
 
 use nalgebra::{DMatrix, DVector};
 use tangency::control::Residuals;
-use tangency::diff::{GradientReport, Parameter, gradient, tangent};
+use tangency::diff::{GradientReport, Parameter, tangent};
 use tangency::lcp::LcpSolver;
 use tangency::{Rollout, Scene, State, simulate};
 
 use crate::Failure;
 use crate::loss::Loss;
 use crate::observations::Observations;
+use crate::tape::Tape;
 
 /// A loss over a rollout of a scene, as a function of parameters.
 pub struct Objective<'a> {
@@ -22,6 +23,8 @@ pub struct Objective<'a> {
     pub solver: &'a dyn LcpSolver,
     /// Steps of the rollout.
     pub steps: usize,
+    /// Whether few records are kept for the gradient, and the others made again.
+    pub checkpoints: bool,
 }
 
 /// A loss with its gradient at some values of the parameters.
@@ -77,7 +80,8 @@ impl Objective<'_> {
     /// # Errors
     /// As [`Objective::rollout`].
     pub fn value(&self, loss: &Loss, values: &[f64]) -> Result<f64, Failure> {
-        self.rollout(values).map(|(_, rollout)| loss.value(&rollout))
+        let (_, rollout) = self.rollout(values)?;
+        Ok(loss.value(&rollout.states().collect::<Vec<_>>()))
     }
 
     /// The loss and its gradient in reverse mode.
@@ -86,15 +90,17 @@ impl Objective<'_> {
     /// As [`Objective::rollout`], or an adjoint that could not be taken.
     pub fn evaluate(&self, loss: &Loss, values: &[f64]) -> Result<Evaluation, Failure> {
         let start = Instant::now();
-        let (scene, rollout) = self.rollout(values)?;
+        let scene = self.scene_at(values)?;
+        let record = if self.checkpoints { Tape::sparse } else { Tape::full };
+        let tape = record(&scene, self.solver, self.steps)?;
         let forward = start.elapsed();
         let start = Instant::now();
-        let mut seeds = loss.seeds(&rollout);
-        let found = gradient(&scene, &rollout, |k, _: &State| seeds[k].take())?;
+        let states = tape.states();
+        let found = tape.gradient(&scene, self.solver, &loss.seeds(&states))?;
         let by = |parameter: &Parameter| parameter.gradient(&scene, &found.by);
         let gradient = self.parameters.iter().map(by).collect();
         let reverse = start.elapsed();
-        let (loss, residual) = (loss.value(&rollout), rollout.residual());
+        let (loss, residual) = (loss.value(&states), tape.residual());
         Ok(Evaluation { loss, gradient, report: found.report, residual, forward, reverse })
     }
 
@@ -104,11 +110,12 @@ impl Objective<'_> {
     /// As [`Objective::evaluate`].
     pub fn linearise(&self, observed: &Observations, values: &[f64]) -> Result<Residuals, Failure> {
         let (scene, rollout) = self.rollout(values)?;
-        let residuals = observed.scaled_residuals(&rollout);
+        let states: Vec<&State> = rollout.states().collect();
+        let residuals = observed.scaled_residuals(&states);
         let mut jacobian = DMatrix::zeros(residuals.len(), self.parameters.len());
         for (parameter, mut column) in self.parameters.iter().zip(jacobian.column_iter_mut()) {
             let along = parameter.direction(&scene, self.steps);
-            let changes = observed.scaled_changes(&rollout, &tangent(&scene, &rollout, &along)?);
+            let changes = observed.scaled_changes(&states, &tangent(&scene, &rollout, &along)?);
             column.copy_from_slice(&changes);
         }
         Ok(Residuals { values: DVector::from_vec(residuals), jacobian })

@@ -99,27 +99,27 @@ impl Observations {
 
     /// Whether any observed time but 0 is exactly that of a step.
     #[must_use]
-    pub fn meets_steps(&self, rollout: &Rollout) -> bool {
-        self.frames.iter().any(|frame| frame.time > 0.0 && place(rollout, frame.time).s == 0.0)
+    pub fn meets_steps(&self, states: &[&State]) -> bool {
+        self.frames.iter().any(|frame| frame.time > 0.0 && place(states, frame.time).s == 0.0)
     }
 
     /// The mean squared error of a rollout, m² (and rad²).
     #[must_use]
-    pub fn loss(&self, rollout: &Rollout) -> f64 {
-        let squares = self.residuals(rollout).map(|(_, _, r)| r.norm_squared());
+    pub fn loss(&self, states: &[&State]) -> f64 {
+        let squares = self.residuals(states).map(|(_, _, r)| r.norm_squared());
         squares.sum::<f64>() / self.len() as f64
     }
 
     /// ∂L/∂(state k) for every state of the rollout.
     #[must_use]
-    pub fn seeds(&self, rollout: &Rollout) -> Vec<StateVector> {
-        let mut seeds = vec![StateVector::like(&rollout.initial); rollout.records.len() + 1];
+    pub fn seeds(&self, states: &[&State]) -> Vec<StateVector> {
+        let mut seeds = vec![StateVector::like(states[0]); states.len()];
         let scale = 2.0 / self.len() as f64;
-        for (place, body, r) in self.residuals(rollout) {
+        for (place, body, r) in self.residuals(states) {
             let bar = scale * r;
             let Place { k, s } = place;
             seeds[k].q[body] += (1.0 - s) * bar;
-            if let Some(between) = interval(rollout, k) {
+            if let Some(between) = interval(states, k) {
                 seeds[k + 1].q[body] += s * bar;
                 // The observed time stays; that of the steps moves with dt.
                 let slope = between.speed(body).dot(&bar);
@@ -132,21 +132,21 @@ impl Observations {
 
     /// All residuals one after the other, each divided by √N: their squares add up to the loss.
     #[must_use]
-    pub fn scaled_residuals(&self, rollout: &Rollout) -> Vec<f64> {
+    pub fn scaled_residuals(&self, states: &[&State]) -> Vec<f64> {
         let scale = 1.0 / (self.len() as f64).sqrt();
-        self.residuals(rollout).flat_map(|(_, _, r)| [r.x, r.y, r.z].map(|r| scale * r)).collect()
+        self.residuals(states).flat_map(|(_, _, r)| [r.x, r.y, r.z].map(|r| scale * r)).collect()
     }
 
     /// How the scaled residuals change when the states change by `tangent`.
     #[must_use]
-    pub fn scaled_changes(&self, rollout: &Rollout, tangent: &[StateVector]) -> Vec<f64> {
+    pub fn scaled_changes(&self, states: &[&State], tangent: &[StateVector]) -> Vec<f64> {
         let scale = 1.0 / (self.len() as f64).sqrt();
         let mut changes = Vec::with_capacity(self.len());
         for frame in &self.frames {
-            let Place { k, s } = place(rollout, frame.time);
+            let Place { k, s } = place(states, frame.time);
             for body in &self.bodies {
                 let mut change = (1.0 - s) * tangent[k].q[*body];
-                if let Some(between) = interval(rollout, k) {
+                if let Some(between) = interval(states, k) {
                     let time = (1.0 - s) * tangent[k].time + s * tangent[k + 1].time;
                     change += s * tangent[k + 1].q[*body] - time * between.speed(*body);
                 }
@@ -159,12 +159,12 @@ impl Observations {
     /// Place, body and r of everything observed.
     fn residuals<'a>(
         &'a self,
-        rollout: &'a Rollout,
+        states: &'a [&'a State],
     ) -> impl Iterator<Item = (Place, usize, Vector3<f64>)> + 'a {
         self.frames.iter().flat_map(move |frame| {
-            let place = place(rollout, frame.time);
-            let after = rollout.state((place.k + 1).min(rollout.records.len()));
-            let before = rollout.state(place.k);
+            let place = place(states, frame.time);
+            let after = states[(place.k + 1).min(states.len() - 1)];
+            let before = states[place.k];
             self.bodies.iter().zip(&frame.poses).map(move |(body, observed)| {
                 let q = (1.0 - place.s) * before.q[*body] + place.s * after.q[*body];
                 (place, *body, q - observed)
@@ -187,20 +187,19 @@ impl Interval<'_> {
 }
 
 /// The step from state k, if there is one.
-fn interval(rollout: &Rollout, k: usize) -> Option<Interval<'_>> {
-    let after = &rollout.records.get(k)?.after;
-    Some(Interval { before: rollout.state(k), after })
+fn interval<'a>(states: &[&'a State], k: usize) -> Option<Interval<'a>> {
+    Some(Interval { before: states[k], after: states.get(k + 1)? })
 }
 
 /// The place of a time; times beyond the last state are at the last state.
-fn place(rollout: &Rollout, time: f64) -> Place {
-    let steps = rollout.records.len();
-    let after = rollout.records.partition_point(|record| record.after.time <= time);
+fn place(states: &[&State], time: f64) -> Place {
+    let steps = states.len() - 1;
+    let after = states[1..].partition_point(|state| state.time <= time);
     let k = after.min(steps);
     if k == steps {
         return Place { k, s: 0.0 };
     }
-    let (start, end) = (rollout.state(k).time, rollout.state(k + 1).time);
+    let (start, end) = (states[k].time, states[k + 1].time);
     let s = ((time - start) / (end - start)).clamp(0.0, 1.0);
     if s > 1.0 - AT_STEP {
         Place { k: k + 1, s: 0.0 }

@@ -133,6 +133,64 @@ fn gradient_through_a_contact_agrees_with_differences() {
     assert!(table.lines().any(|line| line.starts_with("mass:heavy ")), "{table}");
 }
 
+/// Few records, the same digits.
+#[test]
+fn gradient_from_checkpoints() {
+    let folder = observed();
+    let gradient = |more: &[&str]| {
+        let own =
+            ["gradient", "hit.toml", "--loss=seen/trajectory.csv", "--wrt=mass:box", "--json"];
+        let mut report = json(&succeed(&folder, &[&own, more].concat()));
+        for time in ["forward_seconds", "reverse_seconds"] {
+            report.as_object_mut().expect("an object").remove(time);
+        }
+        report
+    };
+    assert_eq!(gradient(&["--checkpoints"]), gradient(&[]));
+    assert!(number(&gradient(&[])["growth"]["factor"]) >= 1.0);
+}
+
+/// V37 (a): after ten impacts between fixed discs a change of height is 22 619 537 times as large.
+#[test]
+fn gradient_tells_how_much_it_grows() {
+    let folder = folder();
+    write(&folder, "discs.toml", DISCS);
+    let arguments = ["gradient", "discs.toml", "--loss=ball.y", "--wrt=position.y:ball"];
+    let report = succeed(&folder, &arguments);
+    assert!(report.contains("The gradient grows by 2.3e7 over steps 1 to "), "{report}");
+    let short = succeed(&folder, &[&arguments[..], &["--duration=10"]].concat());
+    assert!(!short.contains("grows"), "{short}");
+}
+
+const DISCS: &str = r#"
+version = 1
+dt = 0.02
+duration = 20.0
+gravity = [0.0, 0.0]
+stepping = { impact_resolved = { max_impacts = 8 } }
+
+[[bodies]]
+name = "left"
+kind = "static"
+position = [-2.0, 0.0]
+restitution = 1.0
+shapes = [{ circle = { radius = 0.8 } }]
+
+[[bodies]]
+name = "right"
+kind = "static"
+position = [2.0, 0.0]
+restitution = 1.0
+shapes = [{ circle = { radius = 0.8 } }]
+
+[[bodies]]
+name = "ball"
+mass = 1.0
+velocity = [1.0, 0.0]
+restitution = 1.0
+shapes = [{ circle = { radius = 0.2 } }]
+"#;
+
 #[test]
 fn gradient_tells_where_it_is_one_sided() {
     let folder = folder();

@@ -1,5 +1,7 @@
 //! Why a shape is refused and why contacts cannot be found.
 
+use crate::ShapeNumber;
+
 /// A shape whose numbers describe no solid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -60,6 +62,18 @@ pub enum ShapeError {
         length: f64,
         /// Radius of the capsule, m.
         radius: f64,
+    },
+    /// A number of another kind of shape.
+    #[error("the shape has no number {number:?}; ask it for its numbers")]
+    NoSuchNumber {
+        /// The number.
+        number: ShapeNumber,
+    },
+    /// A polygon that is changed so far that points become, or cease to be, vertices.
+    #[error("{number:?}: moved so far the polygon has other vertices; keep it convex")]
+    OtherVertices {
+        /// The number that was changed.
+        number: ShapeNumber,
     },
     /// More entries than contact identifiers can number.
     #[error("{field} has {count} entries; at most 65535 can be numbered, split the body")]

@@ -1,6 +1,6 @@
 //! The derivative of a contact, beside its value.
 
-use nalgebra::{Matrix2x6, RowVector2, RowVector6, SMatrix, Vector2};
+use nalgebra::{Matrix2x6, RowVector2, RowVector6, SMatrix, Vector2, Vector4};
 use serde::{Deserialize, Serialize};
 
 use crate::{
@@ -67,6 +67,41 @@ impl ContactFeature {
         let arm = self.radii[own] + contact.gap / 2.0;
         let dpoint = dx + s * (t * arm * dpsi + n * dgap / 2.0);
         ContactJet { contact, pose: stack(&dpoint, &dpsi, &dgap), radii: radii(&(n * s), own) }
+    }
+}
+
+impl ContactFeature {
+    /// The change of (point.x, point.y, ψ, gap) when the two points between which the gap is measured move
+    /// by `moved` in the frames of a and b, m, and the line turns by `turned` in that of its body, rad. Of
+    /// the formulas of [`jet`](Self::jet) with these dx and dψ.
+    #[must_use]
+    pub fn reshaped(
+        &self,
+        a: &Pose,
+        b: &Pose,
+        moved: &[Vector2<f64>; 2],
+        turned: f64,
+    ) -> Vector4<f64> {
+        let (a, b) = (Frame::new(a), Frame::new(b));
+        let contact = self.evaluate_in(&a, &b);
+        let (n, t) = (contact.normal, perp(&contact.normal));
+        let (l_a, l_b) = match &self.feature {
+            Feature::Points { a, b } => (a, b),
+            Feature::LineA { point, b, .. } => (point, b),
+            Feature::LineB { a, point, .. } => (a, point),
+        };
+        let w = b.point(l_b) - a.point(l_a);
+        let dx = [a.direction(&moved[0]), b.direction(&moved[1])];
+        let dw = dx[1] - dx[0];
+        let (s, own, dpsi) = match &self.feature {
+            Feature::Points { .. } => (1.0, 0, t.dot(&dw) / w.norm()),
+            Feature::LineA { .. } => (-1.0, 1, turned),
+            Feature::LineB { .. } => (1.0, 0, turned),
+        };
+        let dgap = n.dot(&dw) + t.dot(&w) * dpsi;
+        let arm = self.radii[own] + contact.gap / 2.0;
+        let dpoint = dx[own] + s * (t * arm * dpsi + n * dgap / 2.0);
+        Vector4::new(dpoint.x, dpoint.y, dpsi, dgap)
     }
 }
 

@@ -29,7 +29,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Reading order: `pose`; `shape`, `hull`, `mass`, `outline` and `collider` say what bodies look
+//! Reading order: `pose`; `shape`, `shape_number`, `hull`, `mass`, `outline` and `collider` say what bodies look
 //! like; `feature`, `evaluate` and `jet` what a contact is; `detect` and `detector` how contacts are
 //! found: `world` places the bodies, `broad_phase` (`bounds`, `sweep`, `settled`) finds which are near
 //! each other, `select`, `pairing` and `edge` what of them touches; `impact` when moving bodies first
@@ -46,6 +46,7 @@ mod hull;
 mod mass;
 mod outline;
 mod shape;
+mod shape_number;
 // what a contact is,
 mod evaluate;
 mod feature;
@@ -78,3 +79,4 @@ pub use jet::ContactJet;
 pub use mass::MassProperties;
 pub use pose::{Frame, Pose};
 pub use shape::Shape;
+pub use shape_number::{OutlineChange, ShapeNumber};

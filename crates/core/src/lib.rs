@@ -36,6 +36,7 @@ mod param;
 mod scene;
 mod state;
 // and how it moves.
+mod checkpoints;
 mod detect;
 mod frames;
 mod guess;
@@ -64,6 +65,7 @@ mod step;
 mod touch;
 
 pub use body::{BodyDef, BodyKind};
+pub use checkpoints::{Checkpoints, checkpointed_rollout, checkpointed_rollout_in};
 pub use error::{SceneError, StepError};
 pub use force::{ControlDef, ControlInput, ForceDef};
 pub use inspect::{Inspection, IslandInspection, inspect};
@@ -81,5 +83,5 @@ pub use simulator::Simulator;
 pub use stage::Stage;
 pub use state::State;
 pub use step::{next_step, step};
-pub use tangency_collision::{Contact, ContactId, Pose, Shape};
+pub use tangency_collision::{Contact, ContactId, Pose, Shape, ShapeNumber};
 pub use tangency_lcp as lcp;

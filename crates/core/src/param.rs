@@ -1,7 +1,7 @@
 //! The numbers of a scene that may be read, changed, and differentiated by.
 
 use serde::{Deserialize, Serialize};
-use tangency_collision::{Collider, Shape, ShapeError};
+use tangency_collision::{Collider, Shape, ShapeError, ShapeNumber};
 
 use crate::compile::{conflict, derived, finite, non_negative, positive, unit_interval};
 use crate::{BodyKind, Scene, SceneError};
@@ -22,6 +22,9 @@ pub enum Param {
     Restitution(usize),
     /// Radius of a circle or capsule (body, shape), m; mass and inertia unchanged.
     Radius(usize, usize),
+    /// Another number of a shape (body, shape), in the body's frame, whose origin is the centre of mass;
+    /// mass, inertia and that origin unchanged.
+    Shape(usize, usize, ShapeNumber),
     /// Initial pose of a body (axis 0, 1: m; 2: rad).
     Position(usize, usize),
     /// Initial velocity of a body (axis 0, 1: m/s; 2: rad/s).
@@ -69,6 +72,7 @@ impl Scene {
                 Shape::Circle { radius, .. } | Shape::Capsule { radius, .. } => Some(*radius),
                 _ => None,
             },
+            Param::Shape(i, k, number) => self.colliders.get(i)?.shapes().get(k)?.number(number),
             Param::Position(i, axis) => self.initial.q.get(i)?.get(axis).copied(),
             Param::Velocity(i, axis) => self.initial.v.get(i)?.get(axis).copied(),
             Param::Gravity(axis) => self.gravity.get(axis).copied(),
@@ -136,7 +140,7 @@ impl Scene {
         }
     }
 
-    /// Writes a number that is known to exist and to be in range; a radius may not fit its shape.
+    /// Writes a number that is known to exist and to be in range; it may not fit its shape.
     fn write(&mut self, param: Param, value: f64) -> Result<(), ShapeError> {
         match param {
             Param::Mass(i) => self.write_mass(i, value),
@@ -145,6 +149,10 @@ impl Scene {
             Param::Friction(i) => self.bodies[i].friction = value,
             Param::Restitution(i) => self.bodies[i].restitution = value,
             Param::Radius(i, k) => return self.write_radius(i, k, value),
+            Param::Shape(i, k, number) => {
+                let shape = self.colliders[i].shapes()[k].with_number(number, value)?;
+                return self.write_shape(i, k, shape);
+            }
             Param::Position(i, axis) => self.initial.q[i][axis] = value,
             Param::Velocity(i, axis) => self.initial.v[i][axis] = value,
             Param::Gravity(axis) => self.gravity[axis] = value,
@@ -175,10 +183,16 @@ impl Scene {
     }
 
     fn write_radius(&mut self, i: usize, k: usize, value: f64) -> Result<(), ShapeError> {
-        let mut shapes = self.colliders[i].shapes().to_vec();
-        if let Shape::Circle { radius, .. } | Shape::Capsule { radius, .. } = &mut shapes[k] {
+        let mut shape = self.colliders[i].shapes()[k].clone();
+        if let Shape::Circle { radius, .. } | Shape::Capsule { radius, .. } = &mut shape {
             *radius = value;
         }
+        self.write_shape(i, k, shape)
+    }
+
+    fn write_shape(&mut self, i: usize, k: usize, shape: Shape) -> Result<(), ShapeError> {
+        let mut shapes = self.colliders[i].shapes().to_vec();
+        shapes[k] = shape;
         self.colliders[i] = Collider::new(&shapes)?;
         Ok(())
     }

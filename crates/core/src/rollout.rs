@@ -35,6 +35,23 @@ impl Rollout {
         self.state(self.records.len())
     }
 
+    /// Adds a step; the run itself began after the step `before`, if there was one.
+    pub(crate) fn advance(
+        &mut self,
+        scene: &Scene,
+        solver: &dyn LcpSolver,
+        before: Option<&StepRecord>,
+        control: &[f64],
+        scratch: &mut StepScratch,
+    ) -> Result<(), StepError> {
+        let record = match self.records.last().or(before) {
+            Some(before) => next_step(scene, solver, before, control, scratch)?,
+            None => step(scene, solver, &self.initial, control, scratch)?,
+        };
+        self.records.push(record);
+        Ok(())
+    }
+
     /// The worst residual of all steps.
     #[must_use]
     pub fn residual(&self) -> f64 {
@@ -72,13 +89,8 @@ pub fn rollout_in(
 ) -> Result<Rollout, StepError> {
     let mut run = Rollout { initial, records: Vec::new() };
     for k in 0..steps {
-        let state = run.state(k);
-        let control = control(k, state);
-        let record = match run.records.last() {
-            Some(before) => next_step(scene, solver, before, &control, scratch)?,
-            None => step(scene, solver, state, &control, scratch)?,
-        };
-        run.records.push(record);
+        let control = control(k, run.state(k));
+        run.advance(scene, solver, None, &control, scratch)?;
     }
     Ok(run)
 }

@@ -15,10 +15,17 @@
 //!  w̄ = ḡ n      ψ̄ += ḡ t·w      Points: w̄ += ψ̄ t/|w|      LineA: θ̄_a += ψ̄      LineB: θ̄_b += ψ̄
 //!  x̄_a = −w̄      x̄_b = w̄      x̄_o += c̄      p̄ += x̄      θ̄ += ⊥(x − p)·x̄
 //! ```
+//!
+//! What points and lines are made of follows: l̄ = Rᵀ x̄ for the vertex that a point is, and for the vertices
+//! k and k + 1 that a line goes through, e from the one to the other,
+//!
+//! ```text
+//!  dψ = ⊥e·(dl_{k+1} − dl_k)/|e|²        l̄_k += Rᵀ x̄ − ψ̄ ⊥e/|e|²        l̄_{k+1} += ψ̄ ⊥e/|e|²
+//! ```
 
 use nalgebra::{Vector2, Vector3, Vector4, Vector6};
 use tangency_collision::pose::perp;
-use tangency_collision::{Contact, Feature};
+use tangency_collision::{Collider, Contact, Feature, Part};
 use tangency_core::row::RowContext;
 
 use crate::rotations::Rotations;
@@ -114,11 +121,40 @@ impl<'a> ContactPlace<'a> {
         x_bar[own] += c_bar;
         for (side, arm) in [x_a, x_b].iter().enumerate() {
             let (body, p_bar) = (self.bodies[side], x_bar[side] - self.arms_bar[side]);
+            let l_bar = rotations.of(body, &context.q[body]).inverse() * x_bar[side];
+            self.reshape(context, side, &l_bar, angle_bar[side], bars);
             let angle_bar = angle_bar[side] + perp(arm).dot(&x_bar[side]);
             bars.state.q[body] += Vector3::new(p_bar.x, p_bar.y, angle_bar);
             if feature.radii[side] > 0.0 {
                 let shape = feature.id.shapes[side] as usize;
                 bars.scene.bodies[body].radii[shape] += radii_bar[side];
+            }
+        }
+    }
+
+    /// Pulls the gradient by a side's point and by the direction of its line onto the vertices.
+    fn reshape(
+        &self,
+        context: &RowContext<'_>,
+        side: usize,
+        l_bar: &Vector2<f64>,
+        turn_bar: f64,
+        bars: &mut Bars<'_>,
+    ) {
+        let (body, id) = (self.bodies[side], &self.contact.feature.id);
+        let shape = id.shapes[side] as usize;
+        let (collider, by) = (&context.scene.colliders()[body], &mut bars.scene.bodies[body]);
+        let first = collider.first_vertex(shape);
+        match (id.parts[side], edge_of(collider, shape, id.parts[side])) {
+            (Part::Vertex(k), _) => by.vertices[first + k as usize] += l_bar,
+            (_, Some(([from, to], e))) => {
+                let turned = perp(&e) * (turn_bar / e.norm_squared());
+                by.vertices[from] += l_bar - turned;
+                by.vertices[to] += turned;
+            }
+            (_, None) => {
+                by.vertices[first] += l_bar;
+                by.turns[shape] += turn_bar;
             }
         }
     }
@@ -151,7 +187,40 @@ pub(crate) fn contact_jvp(
             change += jet.radii.column(side) * along.scene.bodies[body].radii[shape];
         }
     }
-    change
+    change + reshaped(context, contact, along)
+}
+
+/// The ends of an edge and the vector between them; `None` of vertices and half-planes.
+fn edge_of(collider: &Collider, shape: usize, part: Part) -> Option<([usize; 2], Vector2<f64>)> {
+    match part {
+        Part::Edge(k) => collider.edge(shape, k as usize),
+        Part::Vertex(_) => None,
+    }
+}
+
+/// What the change of the shapes does to a contact.
+fn reshaped(context: &RowContext<'_>, contact: &Contact, along: &Direction<'_>) -> Vector4<f64> {
+    let id = &contact.feature.id;
+    let (mut moved, mut turned) = ([Vector2::zeros(); 2], 0.0);
+    for (side, moved) in moved.iter_mut().enumerate() {
+        let (body, shape) = (id.bodies[side] as usize, id.shapes[side] as usize);
+        let (collider, by) = (&context.scene.colliders()[body], &along.scene.bodies[body]);
+        let first = collider.first_vertex(shape);
+        match (id.parts[side], edge_of(collider, shape, id.parts[side])) {
+            (Part::Vertex(k), _) => *moved = by.vertices[first + k as usize],
+            (_, Some(([from, to], e))) => {
+                *moved = by.vertices[from];
+                let along = by.vertices[to] - by.vertices[from];
+                turned = perp(&e).dot(&along) / e.norm_squared();
+            }
+            (_, None) => (*moved, turned) = (by.vertices[first], by.turns[shape]),
+        }
+    }
+    if turned == 0.0 && moved.iter().all(|moved| *moved == Vector2::zeros()) {
+        return Vector4::zeros();
+    }
+    let [a, b] = id.bodies.map(|body| &context.q[body as usize]);
+    contact.feature.reshaped(a, b, &moved, turned)
 }
 
 /// The change of J (6) of one row, given that of its contact.

@@ -8,6 +8,8 @@
 //!  τ̄ = x̄·F_τ − l̄                      x̄ += ∂g ḡ,  p̄ += g_p ḡ           ḡ = −τ̄/ġ
 //! ```
 //!
+//! (and τ̄ += λ̄·λ_τ, dλ += λ_τ dτ where impulses of the flow are asked for),
+//!
 //! which is the saltation of the motion (Leine & Nijmeijer 2004): how an impact that comes earlier or
 //! later changes what follows.
 
@@ -16,6 +18,7 @@ use tangency_core::row::{RowContext, RowSource};
 use tangency_core::{Motion, Scene, State, StepRecord};
 
 use crate::error::DiffError;
+use crate::impulse::RowImpulse;
 use crate::island::{gap_jvp, gap_vjp};
 use crate::lcp::WEAK_MARGIN;
 use crate::report::{GradientReport, Switch};
@@ -37,6 +40,7 @@ impl Reverse {
             report.add_fall_back();
         }
         report.go_to(None);
+        self.impulses.go_to(None);
         let by_dt = std::mem::take(&mut bars.scene.dt);
         self.part(scene, start(before, record, record.parts.len()), record, bars, report)?;
         let by_length = bars.scene.dt;
@@ -45,9 +49,10 @@ impl Reverse {
             let before = start(before, record, k);
             report.go_to(Some(k + 1));
             if let Some(impact) = impact.take() {
-                self.hit(scene, before, [part, impact], by_length, bars, report)?;
+                self.hit(scene, (k, before), [part, impact], by_length, bars, report)?;
             }
             report.go_to(Some(k));
+            self.impulses.go_to(Some(k));
             self.part(scene, before, part, bars, report)?;
             impact = Some(part).filter(|part| part.hit.is_some());
         }
@@ -55,11 +60,12 @@ impl Reverse {
         Ok(())
     }
 
-    /// What comes through the time of an impact, by the state that the flow before it ends in.
+    /// What comes through the time of an impact, by the state that the flow before it, part k from the
+    /// state `before`, ends in.
     fn hit(
         &mut self,
         scene: &Scene,
-        before: &State,
+        (k, before): (usize, &State),
         [flow, impact]: [&StepRecord; 2],
         by_length: f64,
         bars: &mut Bars<'_>,
@@ -67,11 +73,11 @@ impl Reverse {
     ) -> Result<(), DiffError> {
         let Some(row) = impact.hit else { return Ok(()) };
         let context = impact.velocity_context(scene, &flow.after);
-        let rate = flow_rate(scene, before, flow)?;
+        let (rate, rates) = flow_rate(scene, before, flow, k)?;
         let still = SceneVector::like(scene);
         let opens = opening(&context, row, &rate, &still);
         add_switches(&context, row, opens, report);
-        let by_time = bars.state.dot(&rate) - by_length;
+        let by_time = bars.state.dot(&rate) - by_length + self.impulses.dot(&rates);
         self.rotations.renew(before.q.len());
         gap_vjp(&context, row, -by_time / opens, &mut self.rotations, bars);
         Ok(())
@@ -83,44 +89,59 @@ fn start<'a>(before: &'a State, record: &'a StepRecord, k: usize) -> &'a State {
     if k == 0 { before } else { &record.parts[k - 1].after }
 }
 
-/// The change of the state after a step, divided or not, along a direction.
+/// The change of the state after a step, divided or not, along a direction; adds those of its impulses to
+/// `impulses`.
 pub(crate) fn jvp(
     scene: &Scene,
     before: &State,
     record: &StepRecord,
     along: &Direction<'_>,
+    impulses: &mut Vec<RowImpulse>,
 ) -> Result<StateVector, DiffError> {
     if record.parts.is_empty() {
-        return part_jvp(scene, before, record, along);
+        return part_jvp(scene, before, record, along, None, impulses);
     }
     let mut numbers = SceneVector { dt: 0.0, ..along.scene.clone() };
     let (mut state, mut length) = (along.state.clone(), along.scene.dt);
     for (k, part) in record.parts.iter().enumerate() {
         let (before, control) = (start(before, record, k), along.control);
         let direction = Direction { state: &state, control, scene: &numbers };
-        state = part_jvp(scene, before, part, &direction)?;
+        let first = impulses.len();
+        state = part_jvp(scene, before, part, &direction, Some(k), impulses)?;
         let next = record.parts.get(k + 1);
         if let Some((impact, row)) = next.and_then(|next| Some((next, next.hit?))) {
             let context = impact.velocity_context(scene, &part.after);
-            let rate = flow_rate(scene, before, part)?;
+            let (rate, rates) = flow_rate(scene, before, part, k)?;
             let opens = opening(&context, row, &rate, &SceneVector::like(scene));
             let later = -opening(&context, row, &state, &numbers) / opens;
             add_scaled(&mut state, later, &rate);
+            impulses[first..]
+                .iter_mut()
+                .zip(&rates)
+                .for_each(|(it, r)| it.value += later * r.value);
             length -= later;
         }
     }
     numbers.dt = length;
     let direction = Direction { state: &state, control: along.control, scene: &numbers };
-    part_jvp(scene, start(before, record, record.parts.len()), record, &direction)
+    let before = start(before, record, record.parts.len());
+    part_jvp(scene, before, record, &direction, None, impulses)
 }
 
-/// F_τ: how the end of a flow changes with its length.
-fn flow_rate(scene: &Scene, before: &State, flow: &StepRecord) -> Result<StateVector, DiffError> {
+/// F_τ: how the end of a flow, part k of its step, and its impulses change with its length.
+fn flow_rate(
+    scene: &Scene,
+    before: &State,
+    flow: &StepRecord,
+    k: usize,
+) -> Result<(StateVector, Vec<RowImpulse>), DiffError> {
     let still = StateVector::like(before);
     let control = vec![0.0; flow.control.len()];
     let numbers = SceneVector { dt: 1.0, ..SceneVector::like(scene) };
     let along = Direction { state: &still, control: &control, scene: &numbers };
-    part_jvp(scene, before, flow, &along)
+    let mut impulses = Vec::new();
+    let end = part_jvp(scene, before, flow, &along, Some(k), &mut impulses)?;
+    Ok((end, impulses))
 }
 
 /// How a gap changes with the state and the scene's numbers.

@@ -1,5 +1,7 @@
 //! What can go wrong when differentiating.
 
+use tangency_core::{RowSource, StepError};
+
 use crate::lcp::LcpDiffError;
 
 /// A derivative that could not be taken.
@@ -36,6 +38,30 @@ pub enum DiffError {
         count: usize,
         /// The index found.
         found: usize,
+    },
+    /// The loss is said to depend on the impulse of a row that the step did not model.
+    #[error(
+        "the step has no row {row:?} in its part {part:?}; take the rows from the step's record"
+    )]
+    NoSuchRow {
+        /// The part of the step.
+        part: Option<usize>,
+        /// The row.
+        row: RowSource,
+    },
+    /// A segment of a checkpointed run could not be run again.
+    #[error("running a segment again: {0}; give the scene and the solver of the run")]
+    Replay(#[from] StepError),
+    /// A segment of a checkpointed run did not end where it did.
+    #[error(
+        "steps {first} to {last}, run again, end in another state; give the scene and the solver of \
+         the run"
+    )]
+    OtherRun {
+        /// The first step of the segment.
+        first: usize,
+        /// Its last step.
+        last: usize,
     },
     /// A number that was given, or that came out, is NaN or infinite.
     #[error("{what} is not finite; look for a division by zero in the loss, or for an overflow")]

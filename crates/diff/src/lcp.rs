@@ -70,6 +70,9 @@ pub struct LcpGradientReport {
     /// Dependent active rows: derivatives of velocities are unique, those of impulses are not (the
     /// smallest is given).
     pub rank_defect: u32,
+    /// Whether the cotangent of the impulses asks for more than dependent rows determine: how they share
+    /// what they do together. That part of it is dropped.
+    pub undetermined: bool,
     /// What the linear system left over, relative to its right-hand side. Above rounding the
     /// right-hand side contradicts dependent rows, and the derivative is a least-squares one.
     pub defect: f64,

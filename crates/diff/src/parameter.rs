@@ -5,12 +5,15 @@
 //!  mass:links           the mass of every body of the group `links` (one shared number)
 //!  total_mass:links     the same, each getting an equal part of it
 //!  friction:*           the friction of every body
+//!  width:box            the width of the body's rectangles (height, shape_angle; center.x, as of circles)
+//!  vertex.2.x:wedge     a component of point 2 of the body's polygons (of a capsule: 0 or 1)
+//!  normal.x:floor       of the body's half-planes (offset)
 //!  velocity.x:ball      a component of an initial velocity (x, y, angle)
 //!  anchor_b.y:hinge     a joint's anchor in b's frame
 //!  gravity.y, dt        numbers of the scene itself
 //! ```
 
-use tangency_core::{BodyKind, Param, Scene, SceneError};
+use tangency_core::{BodyKind, Param, Scene, SceneError, ShapeNumber};
 
 use crate::vector::RolloutVector;
 
@@ -67,7 +70,7 @@ pub enum ParameterError {
     },
 }
 
-const OF_BODIES: [&str; 9] = [
+const OF_BODIES: [&str; 16] = [
     "mass",
     "total_mass",
     "density",
@@ -75,6 +78,13 @@ const OF_BODIES: [&str; 9] = [
     "friction",
     "restitution",
     "radius",
+    "width",
+    "height",
+    "center",
+    "shape_angle",
+    "vertex",
+    "offset",
+    "normal",
     "position",
     "velocity",
 ];
@@ -186,17 +196,46 @@ impl Parts<'_> {
                 "restitution" => vec![Param::Restitution(body)],
                 "position" => vec![Param::Position(body, self.axis(3)?)],
                 "velocity" => vec![Param::Velocity(body, self.axis(3)?)],
-                _ => (0..self.scene.colliders()[body].shapes().len())
-                    .map(|shape| Param::Radius(body, shape))
-                    .collect(),
+                _ => self.of_shapes(body)?,
             };
             let exists = |p: &Param| self.scene.get(*p).is_some();
             targets.extend(params.into_iter().filter(exists).map(|p| (p, scale)));
         }
-        if !matches!(self.quantity, "position" | "velocity") {
+        if !matches!(self.quantity, "position" | "velocity" | "center" | "vertex" | "normal") {
             self.no_axis()?;
         }
         Ok(targets)
+    }
+
+    /// The number of each shape of a body.
+    fn of_shapes(&self, body: usize) -> Result<Vec<Param>, ParameterError> {
+        let number = match self.quantity {
+            "width" => ShapeNumber::Size(0),
+            "height" => ShapeNumber::Size(1),
+            "center" => ShapeNumber::Center(self.axis(2)?),
+            "shape_angle" => ShapeNumber::Angle,
+            "vertex" => self.vertex()?,
+            "offset" => ShapeNumber::Offset,
+            "normal" => ShapeNumber::Normal(self.axis(2)?),
+            _ => {
+                let shapes = 0..self.scene.colliders()[body].shapes().len();
+                return Ok(shapes.map(|shape| Param::Radius(body, shape)).collect());
+            }
+        };
+        let shapes = 0..self.scene.colliders()[body].shapes().len();
+        Ok(shapes.map(|shape| Param::Shape(body, shape, number)).collect())
+    }
+
+    /// `2.x` of `vertex.2.x:wedge`.
+    fn vertex(&self) -> Result<ShapeNumber, ParameterError> {
+        let parts = self.axis.and_then(|axis| axis.split_once('.'));
+        let read = |(k, axis): (&str, &str)| {
+            let axis = ["x", "y"].iter().position(|name| *name == axis)?;
+            Some(ShapeNumber::Vertex(k.parse().ok()?, axis))
+        };
+        let expected = "name a point and a component, as in `vertex.2.x:wedge`";
+        let wrong = || ParameterError::Axis { name: self.name.into(), expected };
+        parts.and_then(read).ok_or_else(wrong)
     }
 
     fn of_joints(&self) -> Result<Vec<(Param, f64)>, ParameterError> {

@@ -71,6 +71,14 @@ pub struct GradientReport {
     /// Steps in which more impacts were in reach than the scene divides a step for, so that their rest
     /// was one of fixed length.
     pub fell_back: Vec<usize>,
+    /// Steps at which the loss sees impulses that dependent rows share in a way of their own, so that it
+    /// is a convention by which it depends on them.
+    pub undetermined_impulses: Vec<usize>,
+    /// How much the adjoint has grown back to each state of a rollout, the initial one first: its norm in
+    /// the metric of the masses, relative to those of all derivatives of the loss by states from there on
+    /// (a change of velocity counts for what it does in the time of the run). Without unit; nothing is
+    /// clipped.
+    pub growth: Vec<f64>,
     step: usize,
     part: Option<usize>,
 }
@@ -90,6 +98,9 @@ impl GradientReport {
         let (step, part) = (self.step, self.part);
         if report.rank_defect > 0 && self.dependent_rows.last() != Some(&step) {
             self.dependent_rows.push(step);
+        }
+        if report.undetermined && self.undetermined_impulses.last() != Some(&step) {
+            self.undetermined_impulses.push(step);
         }
         if island.stage.gives_way() {
             self.gave_way.push(GaveWay { step, stage: island.stage });
@@ -137,6 +148,20 @@ impl GradientReport {
         self.dependent_rows.reverse();
         self.gave_way.reverse();
         self.fell_back.reverse();
+        self.undetermined_impulses.reverse();
+        self.growth.reverse();
+    }
+
+    pub(crate) fn add_growth(&mut self, growth: f64) {
+        self.growth.push(growth);
+    }
+
+    /// The greatest growth of the adjoint, and the state back to which it has so grown; `None` without a
+    /// rollout.
+    #[must_use]
+    pub fn greatest_growth(&self) -> Option<(usize, f64)> {
+        let growth = self.growth.iter().copied().enumerate();
+        growth.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)))
     }
 }
 

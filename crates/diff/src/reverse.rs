@@ -5,6 +5,7 @@ use tangency_core::row::RowContext;
 use tangency_core::{IslandRecord, Motion, PostRecord, Scene, State, StepRecord};
 
 use crate::error::DiffError;
+use crate::impulse::ImpulseSeeds;
 use crate::lcp::LcpAdjoint;
 use crate::report::GradientReport;
 use crate::rotations::Rotations;
@@ -16,6 +17,8 @@ use crate::{island, momentum, sizes};
 pub(crate) struct Reverse {
     adjoint: LcpAdjoint,
     pub(crate) rotations: Rotations,
+    /// ∂L/∂λ of the step.
+    pub(crate) impulses: ImpulseSeeds,
     /// ∂L/∂v⁺, or by the displacement, per body of an island.
     seed: Vec<Vector3<f64>>,
     /// ∂L/∂v⁺ per body.
@@ -75,7 +78,7 @@ impl Reverse {
         for island in &record.islands {
             self.seed.clear();
             self.seed.extend(island.bodies.iter().map(|body| self.v_bar[*body as usize]));
-            self.island(&context, island, bars, report)?;
+            self.island(&context, island, true, bars, report)?;
             report.add_bounces(&context, island);
             for (body, bar) in island.bodies.iter().zip(self.adjoint.momentum()) {
                 self.p_bar[*body as usize] = *bar;
@@ -116,21 +119,25 @@ impl Reverse {
                 bars.scene.dt += q_bar.dot(w);
                 self.seed.push(q_bar * record.dt);
             }
-            self.island(&context, island, bars, report)?;
+            self.island(&context, island, false, bars, report)?;
         }
         Ok(())
     }
 
-    /// One problem: from `seed` to all that it was assembled from, but for p.
+    /// One problem: from `seed`, and of `velocities` from ∂L/∂λ, to all that it was assembled from, but
+    /// for p.
     fn island(
         &mut self,
         context: &RowContext<'_>,
         island: &IslandRecord,
+        velocities: bool,
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
         let IslandRecord { problem, solution, .. } = island;
-        self.adjoint.solve(problem, solution, &self.seed, None)?;
+        let asked = velocities && self.impulses.any();
+        let impulses = if asked { self.impulses.of(island) } else { None };
+        self.adjoint.solve(problem, solution, &self.seed, impulses)?;
         report.add(island, &self.adjoint.report(problem, solution));
         island::vjp(context, island, &self.adjoint, &mut self.rotations, bars);
         Ok(())

@@ -23,13 +23,15 @@ pub(crate) fn state_vector(
     finite(what, state_is_finite(vector))
 }
 
+/// Refuses a state of another scene.
+pub(crate) fn state(what: &'static str, scene: &Scene, state: &State) -> Result<(), DiffError> {
+    length(what, scene.bodies().len(), state.q.len())?;
+    length(what, scene.bodies().len(), state.v.len())
+}
+
 /// Refuses a rollout of another scene.
 pub(crate) fn rollout(scene: &Scene, rollout: &Rollout) -> Result<(), DiffError> {
-    let bodies = scene.bodies().len();
-    for state in rollout.states() {
-        length("a state of the rollout", bodies, state.q.len())?;
-        length("a state of the rollout", bodies, state.v.len())?;
-    }
+    rollout.states().try_for_each(|it| state("a state of the rollout", scene, it))?;
     let channels = scene.controls().len();
     let controls = rollout.records.iter().map(|record| &record.control);
     controls.into_iter().try_for_each(|u| length("a control of the rollout", channels, u.len()))
@@ -37,10 +39,9 @@ pub(crate) fn rollout(scene: &Scene, rollout: &Rollout) -> Result<(), DiffError>
 
 /// Refuses a step of another scene.
 pub(crate) fn step(scene: &Scene, before: &State, record: &StepRecord) -> Result<(), DiffError> {
-    for state in [before, &record.after] {
-        length("a state of the step", scene.bodies().len(), state.q.len())?;
-        length("a state of the step", scene.bodies().len(), state.v.len())?;
-    }
+    [before, &record.after]
+        .into_iter()
+        .try_for_each(|it| state("a state of the step", scene, it))?;
     length("the control of the step", scene.controls().len(), record.control.len())
 }
 
@@ -73,6 +74,8 @@ pub(crate) fn scene_vector(
     length(what, scene.forces().len(), vector.forces.len())?;
     for (body, collider) in vector.bodies.iter().zip(scene.colliders()) {
         length(what, collider.shapes().len(), body.radii.len())?;
+        length(what, collider.shapes().len(), body.turns.len())?;
+        length(what, collider.vertex_count(), body.vertices.len())?;
     }
     finite(what, scene_is_finite(vector))
 }
@@ -95,9 +98,9 @@ fn scene_is_finite(vector: &SceneVector) -> bool {
 }
 
 fn body_is_finite(vector: &BodyVector) -> bool {
-    let BodyVector { mass, friction, restitution, radii } = vector;
-    let numbers = mass.iter().chain([friction, restitution]).chain(radii);
-    numbers.into_iter().all(|x| x.is_finite())
+    let BodyVector { mass, friction, restitution, radii, vertices, turns } = vector;
+    let numbers = mass.iter().chain([friction, restitution]).chain(radii).chain(turns);
+    numbers.into_iter().chain(vertices.iter().flatten()).all(|x| x.is_finite())
 }
 
 fn joint_is_finite(vector: &JointVector) -> bool {

@@ -12,11 +12,12 @@ use tangency_core::{IslandRecord, Motion, PostRecord, Scene, State, StepRecord};
 
 use crate::contact_row::contact_jvp;
 use crate::error::DiffError;
+use crate::impulse::RowImpulse;
 use crate::lcp::lcp_jvp;
 use crate::report::GradientReport;
 use crate::reverse::Reverse;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
-use crate::{division, island, momentum, sizes};
+use crate::{division, impulse, island, momentum, sizes};
 
 /// Pulls `after_bar` = ∂L/∂(state after the step) back: returns ∂L/∂(state before), and adds to
 /// `control` (one number per channel), `out` and `report`.
@@ -51,19 +52,32 @@ pub fn step_jvp(
     record: &StepRecord,
     along: &Direction<'_>,
 ) -> Result<StateVector, DiffError> {
+    step_jvp_with_impulses(scene, before, record, along).map(|(d_after, _)| d_after)
+}
+
+/// The same, with the changes of the step's impulses, row by row.
+pub(crate) fn step_jvp_with_impulses(
+    scene: &Scene,
+    before: &State,
+    record: &StepRecord,
+    along: &Direction<'_>,
+) -> Result<(StateVector, Vec<RowImpulse>), DiffError> {
     sizes::direction(scene, along)?;
-    let d_after = division::jvp(scene, before, record, along)?;
+    let mut impulses = Vec::new();
+    let d_after = division::jvp(scene, before, record, along, &mut impulses)?;
     sizes::state_vector("the change of a state", scene, &d_after)?;
-    Ok(d_after)
+    Ok((d_after, impulses))
 }
 
 /// The same of a step that is not divided, or of a part of one; `along.scene.dt` is the change of its
-/// length.
+/// length. Adds the changes of its impulses to `impulses`.
 pub(crate) fn part_jvp(
     scene: &Scene,
     before: &State,
     record: &StepRecord,
     along: &Direction<'_>,
+    part: Option<usize>,
+    impulses: &mut Vec<RowImpulse>,
 ) -> Result<StateVector, DiffError> {
     let context = record.velocity_context(scene, before);
     let midway = (record.motion == Motion::Flow).then(|| midway_jvp(before, record, along));
@@ -79,7 +93,8 @@ pub(crate) fn part_jvp(
     let contacts = contact_changes(&context, &at_rows);
     for island in &record.islands {
         let change = island::jvp(&context, island, &contacts, &dp, &at_rows);
-        let (dv, _) = lcp_jvp(&island.problem, &island.solution, &change)?;
+        let (dv, pushed) = lcp_jvp(&island.problem, &island.solution, &change)?;
+        impulse::list(part, island, &pushed, impulses);
         scatter(&island.bodies, &dv, &mut d_after.v);
     }
     for (i, v) in record.after.v.iter().enumerate() {

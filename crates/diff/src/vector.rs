@@ -63,6 +63,12 @@ pub struct BodyVector {
     pub restitution: f64,
     /// By the radii of its circles and capsules, one per shape.
     pub radii: Vec<f64>,
+    /// By the vertices of its shapes in the body's frame, one shape after the other, numbered as
+    /// [`Part::Vertex`](tangency_collision::Part::Vertex); of a half-plane by the point of its line that is
+    /// nearest to the origin.
+    pub vertices: Vec<Vector2<f64>>,
+    /// By the directions of the normals of its half-planes, rad, one per shape.
+    pub turns: Vec<f64>,
 }
 
 /// By the numbers of one joint.
@@ -105,9 +111,15 @@ impl SceneVector {
     /// Zero, of the size of a scene.
     #[must_use]
     pub fn like(scene: &Scene) -> Self {
-        let body = |i: usize| BodyVector {
-            radii: vec![0.0; scene.colliders()[i].shapes().len()],
-            ..BodyVector::default()
+        let body = |i: usize| {
+            let collider = &scene.colliders()[i];
+            let shapes = collider.shapes().len();
+            BodyVector {
+                radii: vec![0.0; shapes],
+                vertices: vec![Vector2::zeros(); collider.vertex_count()],
+                turns: vec![0.0; shapes],
+                ..BodyVector::default()
+            }
         };
         Self {
             gravity: Vector2::zeros(),
@@ -179,6 +191,13 @@ impl RolloutVector {
             Param::Friction(i) => self.scene.bodies[i].friction,
             Param::Restitution(i) => self.scene.bodies[i].restitution,
             Param::Radius(i, k) => self.scene.bodies[i].radii[k],
+            Param::Shape(i, k, number) => {
+                let change = scene.colliders()[i].shapes()[k].outline_change(number);
+                let body = &self.scene.bodies[i];
+                let vertices = &body.vertices[scene.colliders()[i].first_vertex(k)..];
+                let moved: f64 = change.vertices.iter().zip(vertices).map(|(c, v)| c.dot(v)).sum();
+                moved + change.turn * body.turns[k]
+            }
             Param::Position(i, axis) => self.initial.q[i][axis],
             Param::Velocity(i, axis) => self.initial.v[i][axis],
             Param::Gravity(axis) => self.scene.gravity[axis],
@@ -207,6 +226,13 @@ impl RolloutVector {
             Param::Friction(i) => self.scene.bodies[i].friction += rate,
             Param::Restitution(i) => self.scene.bodies[i].restitution += rate,
             Param::Radius(i, k) => self.scene.bodies[i].radii[k] += rate,
+            Param::Shape(i, k, number) => {
+                let change = scene.colliders()[i].shapes()[k].outline_change(number);
+                let body = &mut self.scene.bodies[i];
+                let vertices = &mut body.vertices[scene.colliders()[i].first_vertex(k)..];
+                vertices.iter_mut().zip(&change.vertices).for_each(|(v, c)| *v += rate * c);
+                body.turns[k] += rate * change.turn;
+            }
             Param::Position(i, axis) => self.initial.q[i][axis] += rate,
             Param::Velocity(i, axis) => self.initial.v[i][axis] += rate,
             Param::Gravity(axis) => self.scene.gravity[axis] += rate,

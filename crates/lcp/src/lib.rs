@@ -22,6 +22,7 @@ mod combinations;
 mod corrections;
 mod delassus;
 mod dense;
+mod determined;
 mod equations;
 mod error;
 mod factor;

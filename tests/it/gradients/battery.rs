@@ -1,6 +1,6 @@
 //! The scenes that gradients are checked on: short runs that stay clear of switches.
 
-use tangency::{BodyDef, ContactModel, Correction, JointKind, Param, SceneDef};
+use tangency::{BodyDef, ContactModel, Correction, JointKind, Param, SceneDef, ShapeNumber};
 use tangency_bench::scenes::{
     chain, compound_tumble, conveyor, disc, doubled_hinge, falling_disc, incline_block, material,
     misfit_hinges, motor_arm, narrow_slot, paper_chain, pendulum, piston, sliding_disc,
@@ -132,12 +132,15 @@ fn pushed_chain() -> SceneDef {
     def
 }
 
-/// Flush boxes, no corner over another: a turn lifts one of two corners, and a lifted box lands in
-/// a later step.
+/// Flush boxes, no corner over another: a turn, of a side or of the floor too, lifts one of two corners,
+/// and a lifted box lands in a later step.
 fn shifted_stack() -> Entry {
     let mut def = two_sided(stack(&[2.0, 1.0]));
     def.bodies[2].position[0] = 0.1;
     let turns = (0..3).flat_map(|i| [Param::Position(i, 2), Param::Velocity(i, 2)]);
-    let except = turns.chain([Param::Position(2, 1)]).collect();
+    let sides = (1..3).map(|i| Param::Shape(i, 0, ShapeNumber::Angle));
+    let floor = Param::Shape(0, 0, ShapeNumber::Normal(0));
+    let lifts = [Param::Position(2, 1), Param::Shape(1, 0, ShapeNumber::Size(1)), floor];
+    let except = turns.chain(sides).chain(lifts).collect();
     Entry { def, steps: 10, except }
 }

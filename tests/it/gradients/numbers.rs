@@ -8,8 +8,10 @@ pub(crate) fn numbers(scene: &Scene) -> Vec<Param> {
     for (i, body) in scene.bodies().iter().enumerate() {
         all.extend([Param::Mass(i), Param::Density(i), Param::Inertia(i)]);
         all.extend([Param::Friction(i), Param::Restitution(i)]);
-        let shapes = scene.colliders()[i].shapes().len();
-        all.extend((0..shapes).map(|k| Param::Radius(i, k)));
+        for (k, shape) in scene.colliders()[i].shapes().iter().enumerate() {
+            all.push(Param::Radius(i, k));
+            all.extend(shape.numbers().into_iter().map(|number| Param::Shape(i, k, number)));
+        }
         all.extend((0..3).map(|axis| Param::Position(i, axis)));
         if body.kind != BodyKind::Static {
             all.extend((0..3).map(|axis| Param::Velocity(i, axis)));

@@ -88,6 +88,9 @@ fn gradients_are_those_of_one_rollout() {
         for (threads, found) in on_threads(|| evaluations(&batch, &plan)) {
             assert!(found == bits(&expected), "{}, {threads} threads", scene.def().name);
         }
+        for (threads, found) in on_threads(|| checkpointed(&batch, &plan)) {
+            assert!(found == bits(&expected), "{}, {threads} threads", scene.def().name);
+        }
         let gradients: Vec<_> = expected.iter().map(|(_, gradient)| gradient).collect();
         for (threads, found) in on_threads(|| gradients_of_tapes(&batch, &plan)) {
             assert!(found == bits(&gradients), "{}, {threads} threads", scene.def().name);
@@ -99,6 +102,14 @@ fn gradients_are_those_of_one_rollout() {
 fn evaluations(batch: &Batch, plan: &[f64]) -> String {
     let plan = Controls::Planned(plan);
     let outcomes = batch.value_and_gradient(STEPS, plan, |_, k, state, bar| loss(k, state, bar));
+    let all = outcomes.expect("controls that fit").all().expect("all gradients");
+    bits(&all.into_iter().map(|it| (it.value, it.gradient)).collect::<Vec<_>>())
+}
+
+/// The same from few records.
+fn checkpointed(batch: &Batch, plan: &[f64]) -> String {
+    let term = |_, k, state: &_, bar: &mut _| loss(k, state, bar);
+    let outcomes = batch.checkpointed_value_and_gradient(STEPS, Controls::Planned(plan), term);
     let all = outcomes.expect("controls that fit").all().expect("all gradients");
     bits(&all.into_iter().map(|it| (it.value, it.gradient)).collect::<Vec<_>>())
 }

@@ -45,6 +45,7 @@ impl Retelling for Reversed {
             Param::Friction(i) => Param::Friction(body(i)),
             Param::Restitution(i) => Param::Restitution(body(i)),
             Param::Radius(i, k) => Param::Radius(body(i), shape(i, k)),
+            Param::Shape(i, k, number) => Param::Shape(body(i), shape(i, k), number),
             Param::Position(i, axis) => Param::Position(body(i), axis),
             Param::Velocity(i, axis) => Param::Velocity(body(i), axis),
             Param::Gravity(_) | Param::Dt => param,

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 use tangency_core::{
     BodyDef, BodyKind, ContactModel, ForceDef, JointDef, JointKind, Limits, Motor, Param, Scene,
-    SceneDef, Shape, Softness, State,
+    SceneDef, Shape, ShapeNumber, Softness, State,
 };
 
 use super::{Number, Retelling};
@@ -232,8 +232,12 @@ fn dimension(scene: &Scene, param: Param) -> Dimension {
         Param::Mass(_) => MASS,
         Param::Density(_) => DENSITY,
         Param::Inertia(_) => INERTIA,
-        Param::Friction(_) | Param::Restitution(_) | Param::Position(_, 2) => NUMBER,
+        Param::Friction(_)
+        | Param::Restitution(_)
+        | Param::Position(_, 2)
+        | Param::Shape(_, _, ShapeNumber::Angle | ShapeNumber::Normal(_)) => NUMBER,
         Param::Radius(..)
+        | Param::Shape(..)
         | Param::Position(..)
         | Param::AnchorA(..)
         | Param::AnchorB(..)

@@ -22,7 +22,11 @@ pub struct LcpAdjoint {
     /// Memory for the search of weak rows.
     weights: Vec<f64>,
     rank_defect: u32,
+    undetermined: bool,
 }
+
+/// Parts of a cotangent below this, relative to it, are rounding.
+const DETERMINED: f64 = 1e-6;
 
 /// What belongs to one row of the problem.
 #[derive(Clone, Copy, Debug, Default)]
@@ -106,6 +110,7 @@ impl LcpAdjoint {
         LcpGradientReport {
             weak: switches::weak_rows(problem, solution, &mut self.weights),
             rank_defect: self.rank_defect,
+            undetermined: self.undetermined,
             defect: self.reduced.defect,
         }
     }
@@ -133,9 +138,14 @@ impl LcpAdjoint {
         for fold in system.folds() {
             self.y_bar[fold.column as usize] += fold.coefficient * impulse_bar(fold.row);
         }
-        let (y_bar, scratch, reduced) = (&self.y_bar, &mut self.scratch, &mut self.reduced);
-        system.solve_transpose_into(problem, velocity_bar, y_bar, scratch, reduced);
+        let (y_bar, scratch, reduced) = (&mut self.y_bar, &mut self.scratch, &mut self.reduced);
         self.rank_defect = system.rank_defect();
+        self.undetermined = false;
+        if self.rank_defect > 0 && y_bar.iter().any(|bar| *bar != 0.0) {
+            let dropped = system.determined(problem, y_bar, DETERMINED, scratch, reduced);
+            self.undetermined = dropped;
+        }
+        system.solve_transpose_into(problem, velocity_bar, y_bar, scratch, reduced);
         check_finite(system, self.reduced.defect)?;
 
         let a_v = &self.reduced.velocities;

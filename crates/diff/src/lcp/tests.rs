@@ -402,6 +402,26 @@ fn many_collinear_supports_share_one_derivative() {
     }
 }
 
+/// One equality entered twice: λ₁ + λ₂ = b − p, the least ones are equal. The sum is determined, one
+/// of them is not.
+#[test]
+fn impulses_of_rows_that_depend_on_each_other() {
+    let twice = vec![row([1.0, 0.0, 0.0], 0.3, Law::Equality); 2];
+    let problem = body([2.0, 2.0, 1.0], [1.0, 0.0, 0.0], twice);
+    let solution = solve(&problem);
+    near(&solution.impulses, &[-0.2, -0.2], 1e-12);
+    let mut tangent = LcpVector::zeros(&problem);
+    tangent.momentum[0].x = 1.0;
+    let (_, pushed) = lcp_jvp(&problem, &solution, &tangent).expect("jvp");
+    near(&pushed, &[-0.5, -0.5], 1e-7);
+    for (seed, exact, undetermined) in [([1.0, 1.0], -1.0, false), ([1.0, 0.0], -0.5, true)] {
+        let (bar, report) = lcp_vjp(&problem, &solution, &[V::zeros()], Some(&seed)).expect("vjp");
+        near(&[bar.momentum[0].x], &[exact], if undetermined { 1e-7 } else { 1e-12 });
+        near(&[bar.rows[0].rhs + bar.rows[1].rhs], &[-2.0 * exact], 1e-6);
+        assert_eq!((report.rank_defect, report.undetermined), (1, undetermined));
+    }
+}
+
 #[test]
 fn wrong_lengths_are_refused() {
     let problem = disc(1.0);

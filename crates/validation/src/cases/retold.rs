@@ -63,7 +63,10 @@ fn gradient(run: &Run, of: &[(Number, f64)]) -> Result<RolloutVector, Stop> {
 
 /// Whether moving it alone moves rows against each other where there are more than need be.
 fn is_place(param: &Param) -> bool {
-    matches!(param, Param::Position(..) | Param::AnchorA(..) | Param::AnchorB(..))
+    matches!(
+        param,
+        Param::Position(..) | Param::AnchorA(..) | Param::AnchorB(..) | Param::Shape(..)
+    )
 }
 
 /// How far numbers are apart.

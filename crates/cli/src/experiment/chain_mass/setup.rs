@@ -54,7 +54,13 @@ impl<'a> Setup<'a> {
 
     /// The loss as a function of other parameters.
     pub(super) fn objective_of<'b>(&'b self, parameters: &'b [Parameter]) -> Objective<'b> {
-        Objective { scene: &self.truth, parameters, solver: self.solver, steps: STEPS }
+        Objective {
+            scene: &self.truth,
+            parameters,
+            solver: self.solver,
+            steps: STEPS,
+            checkpoints: false,
+        }
     }
 
     /// One mass for each link.
