@@ -22,6 +22,7 @@ mod vector;
 // steps and rollouts,
 mod division;
 mod error;
+mod mode;
 mod report;
 mod reverse;
 mod rollout;
@@ -38,6 +39,7 @@ mod parameter;
 pub use coordinates::Coordinates;
 pub use error::DiffError;
 pub use gauss_newton::{GaussNewton, ResidualSeed};
+pub use mode::GradientMode;
 pub use parameter::{Parameter, ParameterError};
 pub use report::{GaveWay, GradientReport, OneSided, Switch};
 pub use rollout::{Gradient, gradient, gradient_adding, tangent};
