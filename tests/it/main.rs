@@ -29,6 +29,7 @@ mod reach;
 mod records;
 mod refusals;
 mod regressions;
+mod smoothed;
 mod springs;
 mod stabilisation;
 mod step_jacobians;

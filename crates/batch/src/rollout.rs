@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use tangency_core::{Rollout, State, rollout_in};
+use tangency_diff::GradientMode;
 
 use crate::controls::Place;
 use crate::outcomes::Outcomes;
@@ -94,7 +95,12 @@ impl Batch {
             step = k;
             controls.at(Place { step, ..place }, state, room).to_vec()
         };
-        rollout_in(scene, &*self.solver, initial, steps, control, scratch)
-            .map_err(|source| Failure::Step { environment, step, source })
+        let mut run = rollout_in(scene, &*self.solver, initial, steps, control, scratch)
+            .map_err(|source| Failure::Step { environment, step, source })?;
+        if self.mode != GradientMode::Exact {
+            let prepared = self.mode.prepare(&mut run);
+            prepared.map_err(|source| Failure::Gradient { environment, source })?;
+        }
+        Ok(run)
     }
 }

@@ -8,7 +8,7 @@ use tangency::diff::{OneSided, Parameter, Switch};
 use tangency::{Param, Rollout, RowSource, Scene};
 use tangency_bench::finite_difference::derivative;
 
-use crate::args::positive;
+use crate::args::{gradient_mode, positive, smoothing};
 use crate::grid::Grid;
 use crate::loss::Loss;
 use crate::objective::{Evaluation, Objective};
@@ -39,6 +39,11 @@ pub struct Arguments {
     /// Time step, s [default: the scene's]
     #[arg(long, value_parser = positive)]
     pub dt: Option<f64>,
+    /// Smoothed derivatives: contacts are felt before they close, and friction before it slips
+    ///
+    /// KAPPA is how widely, without unit: 1e-6 (hardly) to 1e-1. The loss stays exact.
+    #[arg(long, value_name = "KAPPA", value_parser = smoothing, conflicts_with = "check")]
+    pub smoothed: Option<f64>,
     /// Compare with extrapolated central differences; fails if they disagree
     #[arg(long)]
     pub check: bool,
@@ -96,7 +101,8 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
         None => n_steps(duration, scene.dt())?,
     };
     let solver = solver.as_ref();
-    let objective = Objective { scene: &scene, parameters: &parameters, solver, steps };
+    let mode = gradient_mode(arguments.smoothed);
+    let objective = Objective { scene: &scene, parameters: &parameters, solver, steps, mode };
     let values = objective.values();
     let evaluation = objective.evaluate(&loss, &values)?;
     let differences =

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use nalgebra::DMatrix;
 use tangency::diff::{GradientReport, Parameter, gradient, tangent};
 use tangency::lcp::LcpSolver;
-use tangency::{Rollout, Scene, State, simulate};
+use tangency::{GradientMode, Rollout, Scene, State, simulate};
 
 use crate::Failure;
 use crate::loss::Loss;
@@ -21,6 +21,8 @@ pub struct Objective<'a> {
     pub solver: &'a dyn LcpSolver,
     /// Steps of the rollout.
     pub steps: usize,
+    /// How it is differentiated.
+    pub mode: GradientMode,
 }
 
 /// A loss with its gradient at some values of the parameters.
@@ -94,9 +96,10 @@ impl Objective<'_> {
     /// As [`Objective::rollout`], or an adjoint that could not be taken.
     pub fn evaluate(&self, loss: &Loss, values: &[f64]) -> Result<Evaluation, Failure> {
         let start = Instant::now();
-        let (scene, rollout) = self.rollout(values)?;
+        let (scene, mut rollout) = self.rollout(values)?;
         let forward = start.elapsed();
         let start = Instant::now();
+        self.mode.prepare(&mut rollout)?;
         let mut seeds = loss.seeds(&rollout);
         let found = gradient(&scene, &rollout, |k, _: &State| seeds[k].take())?;
         let by = |parameter: &Parameter| parameter.gradient(&scene, &found.by);
@@ -115,7 +118,8 @@ impl Objective<'_> {
         observed: &Observations,
         values: &[f64],
     ) -> Result<Linearisation, Failure> {
-        let (scene, rollout) = self.rollout(values)?;
+        let (scene, mut rollout) = self.rollout(values)?;
+        self.mode.prepare(&mut rollout)?;
         let residuals = observed.scaled_residuals(&rollout);
         let mut jacobian = DMatrix::zeros(residuals.len(), self.parameters.len());
         for (parameter, mut column) in self.parameters.iter().zip(jacobian.column_iter_mut()) {

@@ -6,7 +6,7 @@ use rand::rngs::StdRng;
 use rand_distr::{Distribution as _, Normal};
 use tangency::diff::Parameter;
 use tangency::lcp::LcpSolver;
-use tangency::{Scene, simulate};
+use tangency::{GradientMode, Scene, simulate};
 use tangency_bench::scenes::paper_chain;
 
 use crate::Failure;
@@ -54,7 +54,13 @@ impl<'a> Setup<'a> {
 
     /// The loss as a function of other parameters.
     pub(super) fn objective_of<'b>(&'b self, parameters: &'b [Parameter]) -> Objective<'b> {
-        Objective { scene: &self.truth, parameters, solver: self.solver, steps: STEPS }
+        Objective {
+            scene: &self.truth,
+            parameters,
+            solver: self.solver,
+            steps: STEPS,
+            mode: GradientMode::Exact,
+        }
     }
 
     /// One mass for each link.
