@@ -52,7 +52,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         GradientMode::Smoothed { kappa: 0.1 }.prepare(&mut run)?;
         let smoothed = slope(&scene, &run)?;
         if round % 10 == 0 {
-            println!("{round:5} {push:11.6} {:11.6} {exact:11.6} {smoothed:11.6}", run.last().q[1].x);
+            println!(
+                "{round:5} {push:11.6} {:11.6} {exact:11.6} {smoothed:11.6}",
+                run.last().q[1].x
+            );
         }
         push -= RATE * smoothed;
     }

@@ -25,7 +25,8 @@ pub use scene_file::{
 };
 pub use tangency_core::*;
 pub use tangency_diff::{
-    Gradient, GradientMode, GradientReport, Parameter, RolloutVector, SceneVector, StateVector, gradient, tangent,
+    Gradient, GradientMode, GradientReport, Parameter, RolloutVector, SceneVector, StateVector,
+    gradient, tangent,
 };
 pub use tangency_lcp::{Fallback, LcpSolver};
 

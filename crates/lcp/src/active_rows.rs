@@ -45,12 +45,7 @@ pub(crate) fn list_folds(
 
 /// Turns the normal rows that folds name into their slots.
 #[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
-pub(crate) fn place_folds(
-    problem: &Lcp,
-    rows: &[u32],
-    folds: &mut [Fold],
-    scratch: &mut Scratch,
-) {
+pub(crate) fn place_folds(problem: &Lcp, rows: &[u32], folds: &mut [Fold], scratch: &mut Scratch) {
     if folds.is_empty() {
         return;
     }

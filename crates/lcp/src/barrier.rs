@@ -209,7 +209,11 @@ impl Pair {
     }
 
     fn settled(self, W: f64, e: f64) -> Self {
-        if W * self.x >= self.z { Self { z: e / self.x, ..self } } else { Self { x: e / self.z, ..self } }
+        if W * self.x >= self.z {
+            Self { z: e / self.x, ..self }
+        } else {
+            Self { x: e / self.z, ..self }
+        }
     }
 }
 

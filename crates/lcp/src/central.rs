@@ -24,6 +24,8 @@ use crate::{ActiveSystem, Fold, Law, Lcp, LcpError, LcpSolution, Metric, Scratch
 const MOST_STEPS: u32 = 60;
 /// Share of the way to where a pair vanishes that a step may go.
 const SHARE: f64 = 0.99;
+/// Accepted residuals that steps may fail to make much smaller before the method ends.
+const PATIENCE: u32 = 2;
 /// Residuals that need no further step.
 const EXACT: f64 = 1e-15;
 /// Residuals above this are no solution.
@@ -32,7 +34,7 @@ const ACCEPTED: f64 = 1e-10;
 /// A point of the central path, and its linearisation.
 #[derive(Clone, Debug)]
 pub struct CentralPoint {
-    /// v, λ and u of the point; modes those of the solution that it is near to.
+    /// v, λ and u of the point; modes are those of the solution that it is near to.
     pub solution: LcpSolution,
     /// ε, J.
     pub energy: f64,
@@ -183,15 +185,12 @@ impl<'a> Newton<'a> {
 
     fn run(&mut self, scratch: &mut Scratch) {
         let mut stalled = 0;
-        while self.residual > EXACT && stalled < 3 && self.steps < MOST_STEPS {
+        while self.residual > EXACT && stalled < PATIENCE && self.steps < MOST_STEPS {
             let before = self.residual;
             self.step(scratch);
             self.residual = self.assess();
-            let close = before < 1e-9;
-            stalled = if close && self.residual > 0.3 * before { stalled + 1 } else { 0 };
-            if !self.residual.is_finite() {
-                return;
-            }
+            let stalls = before < ACCEPTED && self.residual > 0.3 * before;
+            stalled = if stalls { stalled + 1 } else { 0 };
         }
     }
 
@@ -243,7 +242,7 @@ impl<'a> Newton<'a> {
             *barrier = barrier.settled(self.problem.row_weight(i), self.energy);
         }
         let soft = SoftProblem::new(self.problem, self.softness(), scratch);
-        let slacks = self.barriers.iter().map(Barrier::slack).collect();
+        let slacks = self.problem.remainders(&self.velocities, &self.impulses);
         let Self { velocities, impulses, energy, residual, steps, .. } = self;
         let (modes, stats) = (near.modes.clone(), near.stats);
         let solution =

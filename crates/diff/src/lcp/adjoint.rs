@@ -113,11 +113,7 @@ impl LcpAdjoint {
             Some(_) => Vec::new(),
             None => switches::weak_rows(problem, solution, &mut self.weights),
         };
-        LcpGradientReport {
-            weak,
-            rank_defect: self.rank_defect,
-            defect: self.reduced.defect,
-        }
+        LcpGradientReport { weak, rank_defect: self.rank_defect, defect: self.reduced.defect }
     }
 
     /// All cotangents.
