@@ -194,12 +194,11 @@ pub fn lcp_jvp(
     check("tangent.momentum", problem.mass.len(), tangent.momentum.len())?;
     check("tangent.rows", problem.rows.len(), tangent.rows.len())?;
     let own;
-    let (problem, system) = match &solution.central {
-        Some(central) => (central.soft(), central.system()),
-        None => {
-            own = system(problem, solution);
-            (problem, &*own)
-        }
+    let (problem, system) = if let Some(central) = &solution.central {
+        (central.soft(), central.system())
+    } else {
+        own = system(problem, solution);
+        (problem, &*own)
     };
     let at = solution.linearised();
     let (v, lambda) = (&at.velocities, &at.impulses);
@@ -213,19 +212,23 @@ pub fn lcp_jvp(
             momentum[body] += *lambda * change.jacobian[side];
         }
     }
-    let (bounds, central) = match &solution.central {
-        Some(central) => (Vec::new(), Some(&**central)),
-        None => (bound_changes(system, solution, tangent), None),
+    let bounds = match solution.central {
+        Some(_) => Vec::new(),
+        None => bound_changes(system, solution, tangent),
     };
     for &(row, change) in &bounds {
         problem.rows[row as usize].add_transposed(change, &mut momentum);
     }
     let right = |&index: &u32| {
         let (row, change) = (&problem.rows[index as usize], &tangent.rows[index as usize]);
-        let by_bound = central.map_or(0.0, |at| slack_change(at, problem, index, tangent));
-        change.rhs - change.velocity(row, v) - change.compliance * lambda[index as usize] + by_bound
+        change.rhs - change.velocity(row, v) - change.compliance * lambda[index as usize]
     };
-    let rhs: Vec<f64> = system.rows().iter().map(right).collect();
+    let mut rhs: Vec<f64> = system.rows().iter().map(right).collect();
+    if let Some(central) = &solution.central {
+        for (row, rhs) in system.rows().iter().zip(&mut rhs) {
+            *rhs += slack_change(central, problem, *row, tangent);
+        }
+    }
     let reduced = system.solve_with(problem, &momentum, &rhs);
     check_finite(system, reduced.defect)?;
 

@@ -20,8 +20,12 @@ use nalgebra::Vector3;
 use crate::barrier::{Barrier, Softness};
 use crate::{ActiveSystem, Fold, Law, Lcp, LcpError, LcpSolution, Metric, Scratch};
 
-/// Most steps of Newton's method.
-const MOST_STEPS: u32 = 60;
+/// Most steps of Newton's method at one energy.
+const MOST_STEPS: u32 = 40;
+/// Where a point is not found, one of an energy greater by this factor leads to it.
+const DETOUR: f64 = 30.0;
+/// Most such factors.
+const DETOURS: u32 = 5;
 /// Share of the way to where a pair vanishes that a step may go.
 const SHARE: f64 = 0.99;
 /// Accepted residuals that steps may fail to make much smaller before the method ends.
@@ -66,12 +70,15 @@ impl CentralPoint {
     ) -> Result<Self, LcpError> {
         let metric = Metric::new(problem);
         let mut newton = Newton::new(problem, &metric, near, energy);
-        newton.run(scratch);
-        let Newton { residual, steps, .. } = newton;
-        if residual > ACCEPTED || residual.is_nan() {
-            return Err(LcpError::NotConverged { iterations: steps, residual });
+        for _ in 0..=DETOURS {
+            if newton.reach(energy, scratch) {
+                return Ok(newton.finish(near, scratch));
+            }
+            let wider = newton.widest * DETOUR;
+            newton = Newton { steps: newton.steps, ..Newton::new(problem, &metric, near, wider) };
         }
-        Ok(newton.finish(near, scratch))
+        let Newton { residual, steps, .. } = newton;
+        Err(LcpError::NotConverged { iterations: steps, residual })
     }
 
     /// The energy ε = κ s*² of a problem, J.
@@ -149,6 +156,8 @@ struct Newton<'a> {
     problem: &'a Lcp,
     metric: &'a Metric,
     energy: f64,
+    /// The energy that the method began with.
+    widest: f64,
     barriers: Vec<Barrier>,
     impulses: Vec<f64>,
     velocities: Vec<Vector3<f64>>,
@@ -173,6 +182,7 @@ impl<'a> Newton<'a> {
             problem,
             metric,
             energy,
+            widest: energy,
             barriers,
             impulses,
             velocities,
@@ -183,9 +193,23 @@ impl<'a> Newton<'a> {
         newton
     }
 
+    /// Goes to the point of an energy, by way of greater ones if the method began there; whether it is
+    /// found.
+    fn reach(&mut self, energy: f64, scratch: &mut Scratch) -> bool {
+        loop {
+            self.run(scratch);
+            if self.residual > ACCEPTED || self.residual.is_nan() || self.energy <= energy {
+                return self.residual <= ACCEPTED;
+            }
+            self.energy = (self.energy / DETOUR).max(energy);
+            self.residual = self.assess();
+        }
+    }
+
+    /// Newton's method at one energy, until nothing more is to be gained.
     fn run(&mut self, scratch: &mut Scratch) {
-        let mut stalled = 0;
-        while self.residual > EXACT && stalled < PATIENCE && self.steps < MOST_STEPS {
+        let (mut stalled, last) = (0, self.steps + MOST_STEPS);
+        while self.residual > EXACT && stalled < PATIENCE && self.steps < last {
             let before = self.residual;
             self.step(scratch);
             self.residual = self.assess();
