@@ -25,9 +25,9 @@ pub use scene_file::{
 };
 pub use tangency_core::*;
 pub use tangency_diff::{
-    Gradient, GradientReport, Parameter, RolloutVector, RowImpulse, SceneVector, StateVector,
-    checkpointed_gradient, gradient, gradient_adding, gradient_with_impulses, joint_motion,
-    tangent, tangent_with_impulses,
+    Gradient, GradientMode, GradientReport, Parameter, RolloutVector, RowImpulse, SceneVector,
+    StateVector, checkpointed_gradient, gradient, gradient_adding, gradient_with_impulses,
+    joint_motion, tangent, tangent_with_impulses,
 };
 pub use tangency_lcp::{Fallback, LcpSolver};
 

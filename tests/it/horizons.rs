@@ -2,9 +2,9 @@
 
 use tangency::diff::{DiffError, RowImpulse, checkpointed_gradient_with_impulses};
 use tangency::{
-    Checkpoints, Gradient, LcpSolver, Param, RowSource, Scene, SceneDef, State, StateVector,
-    StepRecord, checkpointed_gradient, checkpointed_rollout, gradient, gradient_adding,
-    gradient_with_impulses, rollout,
+    Checkpoints, Gradient, GradientMode, LcpSolver, Param, RowSource, Scene, SceneDef, State,
+    StateVector, StepRecord, checkpointed_gradient, checkpointed_rollout, gradient,
+    gradient_adding, gradient_with_impulses, rollout,
 };
 use tangency_bench::scenes::{
     between_discs, billiard, falling_disc, material, motor_arm, oblique_collision, pendulum, stack,
@@ -40,7 +40,8 @@ fn check(scene: &Scene, solver: &dyn LcpSolver, steps: usize) {
     let run = sparse(scene, solver, &controls);
     assert_eq!(run.last(), tape.last());
     let full = gradient_adding(scene, &tape, add).expect("a gradient");
-    let found = checkpointed_gradient(scene, solver, &run, add).expect("a gradient");
+    let found =
+        checkpointed_gradient(scene, solver, &run, GradientMode::Exact, add).expect("a gradient");
     assert!(bits(&found) == bits(&full), "{}, {steps} steps", scene.def().name);
 }
 
@@ -85,7 +86,14 @@ fn impulses_are_seen_in_segments_too() {
         let tape = tangency::simulate(&scene, &*solver, 30).expect("a run");
         let run = sparse(&scene, &*solver, &controls);
         let full = gradient_with_impulses(&scene, &tape, |k, s| Some(coefficients(k, s)), press);
-        let found = checkpointed_gradient_with_impulses(&scene, &*solver, &run, add, press);
+        let found = checkpointed_gradient_with_impulses(
+            &scene,
+            &*solver,
+            &run,
+            GradientMode::Exact,
+            add,
+            press,
+        );
         assert_eq!(bits(&found.expect("a gradient")), bits(&full.expect("a gradient")));
     }
 }
@@ -97,7 +105,8 @@ fn records_grow_with_the_root() {
     for (steps, most) in [(0, 0), (1, 1), (2, 2), (3, 3), (10, 6), (100, 19), (1000, 63)] {
         let run = sparse(&scene, &**solver, &controls(0, steps));
         assert_eq!((run.steps(), run.most_records()), (steps, most));
-        let found = checkpointed_gradient(&scene, &**solver, &run, add).expect("a gradient");
+        let found = checkpointed_gradient(&scene, &**solver, &run, GradientMode::Exact, add)
+            .expect("a gradient");
         assert_eq!(found.report.growth.len(), steps + 1);
     }
 }
@@ -108,7 +117,8 @@ fn another_scene_is_refused() {
     let run = sparse(&scene, &**solver, &controls(0, 20));
     let mut other = scene.clone();
     other.set(Param::Gravity(1), -9.0).expect("a number");
-    let error = checkpointed_gradient(&other, &**solver, &run, add).expect_err("another run");
+    let error = checkpointed_gradient(&other, &**solver, &run, GradientMode::Exact, add)
+        .expect_err("another run");
     assert!(matches!(error, DiffError::OtherRun { first: 15, last: 19 }), "{error}");
 }
 

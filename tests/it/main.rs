@@ -33,6 +33,7 @@ mod records;
 mod refusals;
 mod regressions;
 mod searching;
+mod smoothed;
 mod springs;
 mod stabilisation;
 mod step_jacobians;

@@ -14,6 +14,9 @@ fn backends() -> Vec<Backend> {
     list
 }
 
+/// Cases whose figures of all grades must be met: those that steps divided at impacts were made for.
+const REACHED: [&str; 3] = ["V34", "V36", "V37"];
+
 /// `cargo test -- --nocapture` prints the table.
 #[track_caller]
 #[expect(clippy::print_stdout, reason = "captured unless the test fails or the table is asked for")]
@@ -26,8 +29,12 @@ fn check(id: &str) {
         for figure in &figures {
             println!("{id} {}: {}", backend.name, Line(figure));
         }
-        let failed: Vec<&Figure> =
-            figures.iter().filter(|figure| figure.verdict == Verdict::Failed).collect();
+        let missed = |figure: &&Figure| match figure.verdict {
+            Verdict::Failed => true,
+            Verdict::NotReached => REACHED.contains(&id),
+            Verdict::Passed | Verdict::Refused => false,
+        };
+        let failed: Vec<&Figure> = figures.iter().filter(missed).collect();
         assert!(failed.is_empty(), "{id} on {}: {failed:#?}", backend.name);
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use tangency_core::{Param, Scene, SceneError, State, StepRecord};
+use tangency_diff::GradientMode;
 use tangency_lcp::LcpSolver;
 
 use crate::BatchError;
@@ -46,6 +47,7 @@ pub struct Batch {
     pub(crate) channels: usize,
     pub(crate) solver: Arc<dyn LcpSolver>,
     pub(crate) workspaces: Workspaces,
+    pub(crate) mode: GradientMode,
 }
 
 impl Batch {
@@ -56,7 +58,8 @@ impl Batch {
         let channels = scene.controls().len();
         let scene = Arc::new(scene);
         let environments = (0..environments).map(|_| Environment::new(scene.clone())).collect();
-        Self { environments, channels, solver: solver.into(), workspaces: Workspaces::default() }
+        let (workspaces, mode) = (Workspaces::default(), GradientMode::Exact);
+        Self { environments, channels, solver: solver.into(), workspaces, mode }
     }
 
     /// One environment per scene, each in its scene's initial state. Copies of one scene, changed by
@@ -77,7 +80,13 @@ impl Batch {
         }
         let environments = scenes.into_iter().map(|s| Environment::new(Arc::new(s))).collect();
         let (solver, workspaces) = (solver.into(), Workspaces::default());
-        Ok(Self { environments, channels: expected, solver, workspaces })
+        let mode = GradientMode::Exact;
+        Ok(Self { environments, channels: expected, solver, workspaces, mode })
+    }
+
+    /// Makes the derivatives of the rollouts that follow exact (as at first) or smoothed.
+    pub fn set_gradient_mode(&mut self, mode: GradientMode) {
+        self.mode = mode;
     }
 
     /// Number of environments.

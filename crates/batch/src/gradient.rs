@@ -82,7 +82,7 @@ impl Batch {
             let mut value = 0.0;
             let term = |k, state: &_, bar: &mut _| value += loss(environment, k, state, bar);
             let scene = self.scene(environment);
-            let gradient = checkpointed_gradient(scene, &*self.solver, &run, term)
+            let gradient = checkpointed_gradient(scene, &*self.solver, &run, self.mode, term)
                 .map_err(|source| Failure::Gradient { environment, source })?;
             evaluation(environment, value, gradient)
         }))

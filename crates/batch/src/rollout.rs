@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use tangency_core::{
     Checkpoints, Rollout, Scene, State, StepError, StepScratch, checkpointed_rollout_in, rollout_in,
 };
+use tangency_diff::GradientMode;
 
 use crate::controls::Place;
 use crate::outcomes::Outcomes;
@@ -88,10 +89,16 @@ impl Batch {
         controls: &Controls<'_>,
         workspace: &mut Workspace,
     ) -> Result<Rollout, Failure> {
-        let steps = place.steps;
-        self.drive(place, controls, workspace, |scene, initial, control, scratch| {
-            rollout_in(scene, &*self.solver, initial, steps, control, scratch)
-        })
+        let (environment, steps) = (place.environment, place.steps);
+        let mut run =
+            self.drive(place, controls, workspace, |scene, initial, control, scratch| {
+                rollout_in(scene, &*self.solver, initial, steps, control, scratch)
+            })?;
+        if self.mode != GradientMode::Exact {
+            let prepared = self.mode.prepare(&mut run);
+            prepared.map_err(|source| Failure::Gradient { environment, source })?;
+        }
+        Ok(run)
     }
 
     /// The same with few of its records.

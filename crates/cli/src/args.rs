@@ -1,6 +1,7 @@
 //! The command line as clap reads it, and which file runs which subcommand.
 
 use clap::{Parser, Subcommand};
+use tangency::GradientMode;
 
 use crate::{Console, Failure, bench, experiment, fit, gradient, inspect, lcp, simulate, validate};
 
@@ -72,6 +73,21 @@ pub fn positive(text: &str) -> Result<f64, String> {
         Ok(_) => Err("give a positive, finite number of seconds".into()),
         Err(_) => Err("give a number of seconds, such as 0.01".into()),
     }
+}
+
+/// Parses κ, how widely derivatives are smoothed.
+///
+/// # Errors
+/// What is wrong with it and what to give.
+pub fn smoothing(text: &str) -> Result<f64, String> {
+    let kappa = text.parse::<f64>().ok().filter(|kappa| *kappa > 0.0 && kappa.is_finite());
+    kappa.ok_or_else(|| "give a positive, finite number, such as 1e-4".into())
+}
+
+/// The mode of derivatives that `--smoothed` asks for.
+#[must_use]
+pub fn gradient_mode(smoothed: Option<f64>) -> GradientMode {
+    smoothed.map_or(GradientMode::Exact, |kappa| GradientMode::Smoothed { kappa })
 }
 
 /// Parses a number that is not negative, and finite.

@@ -8,7 +8,7 @@ use serde::Serialize;
 use tangency::Param;
 use tangency::diff::Parameter;
 
-use crate::args::positive;
+use crate::args::{gradient_mode, positive, smoothing};
 use crate::grid::Grid;
 use crate::objective::Objective;
 use crate::observations::Observations;
@@ -50,6 +50,11 @@ pub struct Arguments {
     /// Gauss-Newton: fit the beginning of the motion first, then longer and longer parts
     #[arg(long)]
     pub continuation: bool,
+    /// Smoothed derivatives: contacts are felt before they close, and friction before it slips
+    ///
+    /// KAPPA is how widely, without unit: 1e-6 (hardly) to 1e-1. The loss stays exact.
+    #[arg(long, value_name = "KAPPA", value_parser = smoothing)]
+    pub smoothed: Option<f64>,
     /// Folder for the files [default: out/fit-SCENE]
     #[arg(long)]
     pub out: Option<PathBuf>,
@@ -77,8 +82,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let observed = Observations::read(&arguments.observed, &scene)?;
     let steps = optimise::steps_until(scene.dt(), observed.end())?;
     let solver = solver.as_ref();
-    let objective =
-        Objective { scene: &scene, parameters: &parameters, solver, steps, checkpoints: false };
+    let (mode, checkpoints) = (gradient_mode(arguments.smoothed), false);
+    let parameters = &parameters[..];
+    let objective = Objective { scene: &scene, parameters, solver, steps, checkpoints, mode };
     let start = start_values(arguments, &objective)?;
     let settings = Settings {
         iterations: arguments.iterations,

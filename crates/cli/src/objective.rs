@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 use tangency::control::Residuals;
 use tangency::diff::{GradientReport, Parameter, tangent};
 use tangency::lcp::LcpSolver;
-use tangency::{Rollout, Scene, State, simulate};
+use tangency::{GradientMode, Rollout, Scene, State, simulate};
 
 use crate::Failure;
 use crate::loss::Loss;
@@ -25,6 +25,8 @@ pub struct Objective<'a> {
     pub steps: usize,
     /// Whether few records are kept for the gradient, and the others made again.
     pub checkpoints: bool,
+    /// How it is differentiated.
+    pub mode: GradientMode,
 }
 
 /// A loss with its gradient at some values of the parameters.
@@ -92,11 +94,12 @@ impl Objective<'_> {
         let start = Instant::now();
         let scene = self.scene_at(values)?;
         let record = if self.checkpoints { Tape::sparse } else { Tape::full };
-        let tape = record(&scene, self.solver, self.steps)?;
+        let mut tape = record(&scene, self.solver, self.steps)?;
         let forward = start.elapsed();
         let start = Instant::now();
+        let seeds = loss.seeds(&tape.states());
+        let found = tape.gradient(&scene, self.solver, self.mode, &seeds)?;
         let states = tape.states();
-        let found = tape.gradient(&scene, self.solver, &loss.seeds(&states))?;
         let by = |parameter: &Parameter| parameter.gradient(&scene, &found.by);
         let gradient = self.parameters.iter().map(by).collect();
         let reverse = start.elapsed();
@@ -109,7 +112,8 @@ impl Objective<'_> {
     /// # Errors
     /// As [`Objective::evaluate`].
     pub fn linearise(&self, observed: &Observations, values: &[f64]) -> Result<Residuals, Failure> {
-        let (scene, rollout) = self.rollout(values)?;
+        let (scene, mut rollout) = self.rollout(values)?;
+        self.mode.prepare(&mut rollout)?;
         let states: Vec<&State> = rollout.states().collect();
         let residuals = observed.scaled_residuals(&states);
         let mut jacobian = DMatrix::zeros(residuals.len(), self.parameters.len());

@@ -3,8 +3,8 @@
 use tangency::diff::DiffError;
 use tangency::lcp::LcpSolver;
 use tangency::{
-    Checkpoints, Gradient, Rollout, Scene, State, StateVector, StepError, checkpointed_gradient,
-    checkpointed_rollout, gradient_adding, simulate,
+    Checkpoints, Gradient, GradientMode, Rollout, Scene, State, StateVector, StepError,
+    checkpointed_gradient, checkpointed_rollout, gradient_adding, simulate,
 };
 
 /// A motion under controls that are zero.
@@ -61,17 +61,21 @@ impl Tape {
     /// # Errors
     /// An adjoint that could not be taken.
     pub fn gradient(
-        &self,
+        &mut self,
         scene: &Scene,
         solver: &dyn LcpSolver,
+        mode: GradientMode,
         seeds: &[Option<StateVector>],
     ) -> Result<Gradient, DiffError> {
         let add = |k: usize, _: &State, bar: &mut StateVector| {
             seeds[k].iter().for_each(|seed| bar.add(seed));
         };
         match self {
-            Self::Full(rollout) => gradient_adding(scene, rollout, add),
-            Self::Sparse(run, _) => checkpointed_gradient(scene, solver, run, add),
+            Self::Full(rollout) => {
+                mode.prepare(rollout)?;
+                gradient_adding(scene, rollout, add)
+            }
+            Self::Sparse(run, _) => checkpointed_gradient(scene, solver, run, mode, add),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 use tangency_core::{Scene, State, StepError, StepRecord, StepScratch, next_step, step};
-use tangency_diff::{Coordinates, DiffError, step_jacobian};
+use tangency_diff::{Coordinates, DiffError, GradientMode, step_jacobian};
 use tangency_lcp::LcpSolver;
 
 use crate::{Dynamics, Linearisation};
@@ -17,6 +17,7 @@ pub struct SceneDynamics<'a> {
     solver: &'a dyn LcpSolver,
     coordinates: Coordinates,
     scratch: StepScratch,
+    mode: GradientMode,
 }
 
 /// Why a scene could not be stepped, or the step not be differentiated.
@@ -36,7 +37,13 @@ impl<'a> SceneDynamics<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, solver: &'a dyn LcpSolver) -> Self {
         let (coordinates, scratch) = (Coordinates::of(scene), StepScratch::default());
-        Self { scene, solver, coordinates, scratch }
+        Self { scene, solver, coordinates, scratch, mode: GradientMode::Exact }
+    }
+
+    /// The same with derivatives of another mode; steps stay what they are.
+    #[must_use]
+    pub fn with_gradient_mode(self, mode: GradientMode) -> Self {
+        Self { mode, ..self }
     }
 
     /// Where the numbers of x stand.
@@ -85,7 +92,13 @@ impl Dynamics for SceneDynamics<'_> {
         state: &State,
         step: &StepRecord,
     ) -> Result<Linearisation, SceneDynamicsError> {
-        let by = step_jacobian(self.scene, state, step, &[])?;
+        let by = if self.mode == GradientMode::Exact {
+            step_jacobian(self.scene, state, step, &[])?
+        } else {
+            let mut step = step.clone();
+            self.mode.prepare_step(&mut step)?;
+            step_jacobian(self.scene, state, &step, &[])?
+        };
         Ok(Linearisation { state: by.state, control: by.control })
     }
 }

@@ -9,6 +9,7 @@ use tangency_lcp::LcpSolver;
 
 use crate::error::DiffError;
 use crate::impulse::RowImpulse;
+use crate::mode::GradientMode;
 use crate::rollout::{Gradient, Sweep};
 use crate::seeds::{Adding, Seeds, WithImpulses};
 use crate::sizes;
@@ -18,7 +19,8 @@ use crate::vector::StateVector;
 /// [`checkpointed_rollout`](tangency_core::checkpointed_rollout), to the last bit, in memory that grows with
 /// the root of the number of steps and for the price of one more run.
 ///
-/// `add_seed(k, state, bar)` adds ∂L/∂(state k) to `bar`, the last state (k = number of steps) first.
+/// `add_seed(k, state, bar)` adds ∂L/∂(state k) to `bar`, the last state (k = number of steps) first. Each
+/// segment is prepared for `mode` when it is there.
 ///
 /// # Errors
 /// As [`gradient`](crate::gradient()), and [`DiffError::Replay`] or [`DiffError::OtherRun`] where scene or
@@ -27,9 +29,10 @@ pub fn checkpointed_gradient(
     scene: &Scene,
     solver: &dyn LcpSolver,
     run: &Checkpoints,
+    mode: GradientMode,
     add_seed: impl FnMut(usize, &State, &mut StateVector),
 ) -> Result<Gradient, DiffError> {
-    of_checkpoints(scene, solver, run, &mut Adding(add_seed))
+    of_checkpoints(scene, solver, run, mode, &mut Adding(add_seed))
 }
 
 /// As [`checkpointed_gradient`], for a loss that sees impulses, too: as
@@ -41,16 +44,18 @@ pub fn checkpointed_gradient_with_impulses(
     scene: &Scene,
     solver: &dyn LcpSolver,
     run: &Checkpoints,
+    mode: GradientMode,
     add_seed: impl FnMut(usize, &State, &mut StateVector),
     impulse_seed: impl FnMut(usize, &StepRecord) -> Vec<RowImpulse>,
 ) -> Result<Gradient, DiffError> {
-    of_checkpoints(scene, solver, run, &mut WithImpulses(Adding(add_seed), impulse_seed))
+    of_checkpoints(scene, solver, run, mode, &mut WithImpulses(Adding(add_seed), impulse_seed))
 }
 
 fn of_checkpoints(
     scene: &Scene,
     solver: &dyn LcpSolver,
     run: &Checkpoints,
+    mode: GradientMode,
     seeds: &mut dyn Seeds,
 ) -> Result<Gradient, DiffError> {
     let mut scratch = StepScratch::default();
@@ -58,8 +63,12 @@ fn of_checkpoints(
     let mut sweep = Sweep::new(scene, run.steps());
     sweep.begin(run.last(), seeds)?;
     for segment in (0..run.segments()).rev() {
-        let tape = replay(scene, solver, run, segment, &mut scratch)?;
-        sweep.segment(&tape, run.first_step(segment), seeds)?;
+        let first = run.first_step(segment);
+        let mut tape = replay(scene, solver, run, segment, &mut scratch)?;
+        for (k, record) in (first..).zip(&mut tape.records) {
+            mode.prepare_step(record).map_err(|source| source.at(k))?;
+        }
+        sweep.segment(&tape, first, seeds)?;
         scratch.recycle_run(tape);
     }
     sweep.end()

@@ -20,6 +20,13 @@
 //! transpose. Where a row is weakly active the derivative is one-sided; the one given belongs to the
 //! solution's modes, which the polish chooses released (contacts without impulse open, friction on
 //! its bound sliding), and the report names the row.
+//!
+//! At a point of the central path ([`CentralPoint`], of smoothed derivatives) the system is the same with
+//! every row active and softer, v and λ are those of the point, and
+//!
+//! ```text
+//!  μ̄ = a_y,t β λ_n        h̄ = a_y β        β = ∂u/∂h
+//! ```
 
 #![expect(non_snake_case, reason = "matrices carry their names from the paper")]
 
@@ -29,7 +36,7 @@ mod switches;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, Row};
+use tangency_lcp::{ActiveSystem, CentralPoint, Law, Lcp, LcpSolution, Metric, Row};
 pub use tangency_lcp::{WeakKind, WeakRow};
 use thiserror::Error;
 
@@ -91,6 +98,25 @@ pub enum LcpDiffError {
         expected: usize,
         /// Length found.
         found: usize,
+    },
+    /// A smoothing that is no positive, finite number.
+    #[error("kappa is {kappa}; give a positive, finite number, such as 1e-4")]
+    Kappa {
+        /// The number given.
+        kappa: f64,
+    },
+    /// No point of the central path was found near the solution.
+    #[error(
+        "no smoothed point at kappa = {kappa} was found near the solution ({steps} steps of Newton's \
+         method leave {residual:.1e}); give another kappa, or take exact derivatives"
+    )]
+    NoCentralPoint {
+        /// The smoothing.
+        kappa: f64,
+        /// Steps of Newton's method.
+        steps: u32,
+        /// What its equations leave over, relative to s*.
+        residual: f64,
     },
     /// The reduced system is singular beyond dependent rows, or its data are not finite.
     #[error("the reduced system of {rows} active rows has no finite solution")]
@@ -170,8 +196,15 @@ pub fn lcp_jvp(
     check("tangent.mass", problem.mass.len(), tangent.mass.len())?;
     check("tangent.momentum", problem.mass.len(), tangent.momentum.len())?;
     check("tangent.rows", problem.rows.len(), tangent.rows.len())?;
-    let system = system(problem, solution);
-    let (v, lambda) = (&solution.velocities, &solution.impulses);
+    let own;
+    let (problem, system) = if let Some(central) = &solution.central {
+        (central.soft(), central.system())
+    } else {
+        own = system(problem, solution);
+        (problem, &*own)
+    };
+    let at = solution.linearised();
+    let (v, lambda) = (&at.velocities, &at.impulses);
 
     let mut momentum = tangent.momentum.clone();
     for ((p, dM), v) in momentum.iter_mut().zip(&tangent.mass).zip(v) {
@@ -182,7 +215,10 @@ pub fn lcp_jvp(
             momentum[body] += *lambda * change.jacobian[side];
         }
     }
-    let bounds = bound_changes(&system, solution, tangent);
+    let bounds = match solution.central {
+        Some(_) => Vec::new(),
+        None => bound_changes(system, solution, tangent),
+    };
     for &(row, change) in &bounds {
         problem.rows[row as usize].add_transposed(change, &mut momentum);
     }
@@ -190,16 +226,21 @@ pub fn lcp_jvp(
         let (row, change) = (&problem.rows[index as usize], &tangent.rows[index as usize]);
         change.rhs - change.velocity(row, v) - change.compliance * lambda[index as usize]
     };
-    let rhs: Vec<f64> = system.rows().iter().map(right).collect();
+    let mut rhs: Vec<f64> = system.rows().iter().map(right).collect();
+    if let Some(central) = &solution.central {
+        for (row, rhs) in system.rows().iter().zip(&mut rhs) {
+            *rhs += slack_change(central, problem, *row, tangent);
+        }
+    }
     let reduced = system.solve_with(problem, &momentum, &rhs);
-    check_finite(&system, reduced.defect)?;
+    check_finite(system, reduced.defect)?;
 
     let mut d_impulses = vec![0.0; problem.rows.len()];
     for (&row, dy) in system.rows().iter().zip(&reduced.impulses) {
         d_impulses[row as usize] = *dy;
     }
     for fold in system.folds() {
-        d_impulses[fold.row as usize] = fold.coefficient * reduced.impulses[fold.column as usize];
+        d_impulses[fold.row as usize] += fold.coefficient * reduced.impulses[fold.column as usize];
     }
     for (row, change) in bounds {
         d_impulses[row as usize] += change;
@@ -223,6 +264,19 @@ fn bound_changes(
         .iter()
         .map(|&(row, impulse)| (row, impulse.signum() * tangent.rows[row as usize].bound));
     sliding.chain(saturated).collect()
+}
+
+/// Change of what a softened law leaves over by its bound alone: β dh.
+fn slack_change(central: &CentralPoint, problem: &Lcp, row: u32, tangent: &LcpVector) -> f64 {
+    let row = row as usize;
+    let d_bound = tangent.rows[row].bound;
+    match problem.rows[row].law {
+        Law::Friction { normal, .. } => {
+            central.by_bound(row) * central.solution.impulses[normal as usize] * d_bound
+        }
+        Law::Bounded { .. } => central.by_bound(row) * d_bound,
+        Law::Equality | Law::Unilateral => 0.0,
+    }
 }
 
 /// The factored system of the solution's modes: the solver's, if it left it.

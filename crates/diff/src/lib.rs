@@ -25,6 +25,7 @@ mod division;
 mod error;
 mod growth;
 mod impulse;
+mod mode;
 mod report;
 mod reverse;
 mod rollout;
@@ -46,6 +47,7 @@ pub use error::DiffError;
 pub use gauss_newton::{GaussNewton, ResidualSeed};
 pub use impulse::RowImpulse;
 pub use joint_motion::{JointMotion, JointMotionError, joint_motion};
+pub use mode::GradientMode;
 pub use parameter::{Parameter, ParameterError};
 pub use report::{GaveWay, GradientReport, OneSided, Switch};
 pub use rollout::{

@@ -79,7 +79,7 @@ pub fn step_jacobian(
 /// The record with a factored system for every problem.
 fn factored(record: &StepRecord) -> Cow<'_, StepRecord> {
     let post = record.post.iter().flat_map(|post| &post.islands);
-    if record.islands.iter().chain(post).all(|island| island.solution.system.is_some()) {
+    if record.islands.iter().chain(post).all(is_factored) {
         return Cow::Borrowed(record);
     }
     let mut record = record.clone();
@@ -88,8 +88,12 @@ fn factored(record: &StepRecord) -> Cow<'_, StepRecord> {
     Cow::Owned(record)
 }
 
+fn is_factored(IslandRecord { solution, .. }: &IslandRecord) -> bool {
+    solution.system.is_some() || solution.central.is_some()
+}
+
 fn factor(IslandRecord { problem, solution, .. }: &mut IslandRecord) {
-    if solution.system.is_none() {
+    if solution.system.is_none() && solution.central.is_none() {
         let system = ActiveSystem::new(problem, &Metric::new(problem), &solution.modes);
         solution.system = Some(Arc::new(system));
     }

@@ -40,6 +40,12 @@ pub(crate) fn list_folds(
             folds.push(Fold { row: row as u32, column: normal, coefficient: sign * mu });
         }
     }
+    place_folds(problem, rows, folds, scratch);
+}
+
+/// Turns the normal rows that folds name into their slots.
+#[expect(clippy::cast_possible_truncation, reason = "row indices are u32")]
+pub(crate) fn place_folds(problem: &Lcp, rows: &[u32], folds: &mut [Fold], scratch: &mut Scratch) {
     if folds.is_empty() {
         return;
     }

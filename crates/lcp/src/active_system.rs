@@ -18,7 +18,7 @@
 //!
 //! The derivative of the solution solves with the same matrix and with its transpose.
 
-use crate::active_rows::{list_active, list_folds, list_saturated};
+use crate::active_rows::{list_active, list_folds, list_saturated, place_folds};
 use crate::block_factor::BlockFactor;
 use crate::cholesky::Cholesky;
 use crate::equations::Equations;
@@ -68,6 +68,25 @@ impl ActiveSystem {
     pub fn new(problem: &Lcp, metric: &Metric, modes: &[Mode]) -> Self {
         let mut system = Self::default();
         system.renew(problem, metric, modes, &mut Scratch::default());
+        system
+    }
+
+    /// Every row active, friction rows too, some of which are folded in part as well: the impulse of a
+    /// folded row is its own and `coefficient` times that of row `column`.
+    pub(crate) fn of_folded(
+        problem: &Lcp,
+        metric: &Metric,
+        shares: &[Fold],
+        scratch: &mut Scratch,
+    ) -> Self {
+        let rows = (0_u32..).take(problem.rows.len()).collect();
+        let mut system = Self { rows, ..Self::default() };
+        let list = |rows: &[u32], folds: &mut Vec<Fold>, scratch: &mut Scratch| {
+            folds.clear();
+            folds.extend_from_slice(shares);
+            place_folds(problem, rows, folds, scratch);
+        };
+        system.factor_rows(Elimination::Cheapest, problem, metric, list, scratch);
         system
     }
 
@@ -133,10 +152,25 @@ impl ActiveSystem {
         scratch: &mut Scratch,
     ) {
         std::mem::take(&mut self.factor).give(scratch);
-        self.unit = metric.unit();
         list_active(problem, modes, &mut self.rows);
         list_saturated(problem, modes, &mut self.saturated);
-        list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
+        let list = |rows: &[u32], folds: &mut Vec<Fold>, scratch: &mut Scratch| {
+            list_folds(problem, modes, rows, folds, scratch);
+        };
+        self.factor_rows(elimination, problem, metric, list, scratch);
+    }
+
+    /// Factors for the rows that are listed; `list` lists the folds for rows in a given order.
+    fn factor_rows(
+        &mut self,
+        elimination: Elimination,
+        problem: &Lcp,
+        metric: &Metric,
+        list: impl Fn(&[u32], &mut Vec<Fold>, &mut Scratch),
+        scratch: &mut Scratch,
+    ) {
+        self.unit = metric.unit();
+        list(&self.rows, &mut self.folds, scratch);
         let mut equations = std::mem::take(&mut scratch.equations);
         let width = order::half_width(problem, &self.rows, &mut scratch.spans);
         let chosen = match elimination {
@@ -156,7 +190,7 @@ impl ActiveSystem {
         if matches!(self.factor, Factor::None) {
             let width =
                 if cheap { width } else { order::narrow(problem, &mut self.rows, width, scratch) };
-            list_folds(problem, modes, &self.rows, &mut self.folds, scratch);
+            list(&self.rows, &mut self.folds, scratch);
             equations.gather(problem, metric, self);
             self.factor = if self.rows.len() == problem.rows.len() && problem.is_linear() {
                 Factor::of_equalities(&equations, width, scratch)

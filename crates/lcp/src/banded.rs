@@ -202,6 +202,7 @@ impl Sweep {
             modes: scratch.modes.filled(rows.len(), Mode::Active),
             stats: SolveStats { factorisations: 1, ..SolveStats::default() },
             system: Some(system),
+            central: None,
         }
     }
 }

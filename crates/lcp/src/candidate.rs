@@ -142,6 +142,7 @@ impl Polish<'_> {
             modes: own_modes,
             stats: SolveStats { factorisations: 1, ..SolveStats::default() },
             system: Some(Arc::clone(system)),
+            central: None,
         };
         Polished { solution, residual }
     }

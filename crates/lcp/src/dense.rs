@@ -198,6 +198,7 @@ impl PaperForm {
             modes,
             stats: SolveStats::default(),
             system: None,
+            central: None,
         }
     }
 }

@@ -101,6 +101,7 @@ fn assemble(
         modes,
         stats: SolveStats { factorisations: 1, ..SolveStats::default() },
         system: Some(Arc::clone(system)),
+        central: None,
     };
     (solution, residual)
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use crate::ActiveSystem;
+use crate::{ActiveSystem, CentralPoint};
 
 /// On which piece of its law a row lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,6 +75,20 @@ pub struct LcpSolution {
     /// Not serialised and not compared.
     #[serde(skip)]
     pub system: Option<Arc<ActiveSystem>>,
+    /// The point nearby at which derivatives are taken instead, if they are smoothed. Not serialised
+    /// and not compared.
+    #[serde(skip)]
+    pub central: Option<Arc<CentralPoint>>,
+}
+
+impl LcpSolution {
+    /// Velocities and impulses at which derivatives are taken: the solution's own, or those of
+    /// [`central`](Self::central).
+    #[must_use]
+    #[inline]
+    pub fn linearised(&self) -> &Self {
+        self.central.as_deref().map_or(self, |central| &central.solution)
+    }
 }
 
 impl PartialEq for LcpSolution {

@@ -1,7 +1,7 @@
 //! Where a case runs scenes on one backend and writes down what it measures.
 
 use tangency_core::{
-    Rollout, Scene, SceneDef, State, StepError, StepRecord, StepScratch, rollout, step,
+    Rollout, Scene, SceneDef, State, StepError, StepRecord, StepScratch, Stepping, rollout, step,
 };
 use tangency_diff::StateVector;
 use tangency_lcp::{LcpSolver, RawSolver};
@@ -24,6 +24,12 @@ pub struct Lab<'a> {
 #[must_use]
 pub fn recommended(def: SceneDef) -> SceneDef {
     SceneDef { dt: 1e-3, ..def }
+}
+
+/// Steps of dt that are divided at impacts, so that derivatives are those of the motion.
+#[must_use]
+pub(crate) fn resolved(def: SceneDef, dt: f64) -> SceneDef {
+    SceneDef { dt, stepping: Stepping::ImpactResolved { max_impacts: 8 }, ..def }
 }
 
 /// Number of steps of a duration.

@@ -1,7 +1,9 @@
 //! The backward solve of one problem, and the cotangents that follow from it row by row.
 
 use nalgebra::Vector3;
-use tangency_lcp::{ActiveSystem, Lcp, LcpSolution, Metric, NO_BODY, Reduced, Scratch};
+use tangency_lcp::{
+    ActiveSystem, CentralPoint, Law, Lcp, LcpSolution, Metric, NO_BODY, Reduced, Scratch,
+};
 
 use super::{
     LcpDiffError, LcpGradientReport, LcpVector, RowVector, check, check_finite, check_solution,
@@ -54,6 +56,9 @@ impl LcpAdjoint {
         if let Some(bar) = impulse_bar {
             check("impulse_bar", problem.rows.len(), bar.len())?;
         }
+        if let Some(central) = &solution.central {
+            return self.solve_softened(central, problem, velocity_bar, impulse_bar);
+        }
         if let Some(system) = &solution.system {
             return self.solve_in(system, problem, solution, velocity_bar, impulse_bar);
         }
@@ -70,7 +75,7 @@ impl LcpAdjoint {
     /// The cotangent −a_v ∘ v of a body's mass diagonal.
     #[must_use]
     pub fn mass(&self, solution: &LcpSolution, body: usize) -> Vector3<f64> {
-        -self.reduced.velocities[body].component_mul(&solution.velocities[body])
+        -self.reduced.velocities[body].component_mul(&solution.linearised().velocities[body])
     }
 
     /// The cotangents of one row, a_y being 0 where it is not active:
@@ -81,6 +86,7 @@ impl LcpAdjoint {
     #[must_use]
     #[inline]
     pub fn row(&self, problem: &Lcp, solution: &LcpSolution, row: usize) -> RowVector {
+        let solution = solution.linearised();
         let (RowAdjoint { a_y, bound }, impulse) = (self.rows[row], solution.impulses[row]);
         let [a, b] = problem.rows[row].bodies;
         let jacobian =
@@ -101,14 +107,18 @@ impl LcpAdjoint {
     #[must_use]
     pub fn is_idle(&self, solution: &LcpSolution, row: usize) -> bool {
         let RowAdjoint { a_y, bound } = self.rows[row];
-        a_y == 0.0 && bound == 0.0 && solution.impulses[row] == 0.0
+        a_y == 0.0 && bound == 0.0 && solution.linearised().impulses[row] == 0.0
     }
 
     /// What the user of the derivative should know.
     #[must_use]
     pub fn report(&mut self, problem: &Lcp, solution: &LcpSolution) -> LcpGradientReport {
+        let weak = match solution.central {
+            Some(_) => Vec::new(),
+            None => switches::weak_rows(problem, solution, &mut self.weights),
+        };
         LcpGradientReport {
-            weak: switches::weak_rows(problem, solution, &mut self.weights),
+            weak,
             rank_defect: self.rank_defect,
             undetermined: self.undetermined,
             defect: self.reduced.defect,
@@ -133,6 +143,51 @@ impl LcpAdjoint {
         impulse_bar: Option<&[f64]>,
     ) -> Result<(), LcpDiffError> {
         let impulse_bar = |row: u32| impulse_bar.map_or(0.0, |bar| bar[row as usize]);
+        self.solve_transpose(system, problem, velocity_bar, impulse_bar)?;
+        let a_v = &self.reduced.velocities;
+        let along = |row: u32| problem.row_velocity(row as usize, a_v) + impulse_bar(row);
+        for fold in system.folds() {
+            let normal = system.rows()[fold.column as usize] as usize;
+            self.rows[fold.row as usize].bound =
+                fold.coefficient.signum() * solution.impulses[normal] * along(fold.row);
+        }
+        for &(row, impulse) in system.saturated() {
+            self.rows[row as usize].bound = impulse.signum() * along(row);
+        }
+        Ok(())
+    }
+
+    /// The same at a point of the central path: a bound h moves u by β.
+    fn solve_softened(
+        &mut self,
+        central: &CentralPoint,
+        problem: &Lcp,
+        velocity_bar: &[Vector3<f64>],
+        impulse_bar: Option<&[f64]>,
+    ) -> Result<(), LcpDiffError> {
+        let impulse_bar = |row: u32| impulse_bar.map_or(0.0, |bar| bar[row as usize]);
+        self.solve_transpose(central.system(), central.soft(), velocity_bar, impulse_bar)?;
+        for (row, it) in problem.rows.iter().enumerate() {
+            let by_bound = self.rows[row].a_y * central.by_bound(row);
+            self.rows[row].bound = match it.law {
+                Law::Friction { normal, .. } => {
+                    by_bound * central.solution.impulses[normal as usize]
+                }
+                Law::Bounded { .. } => by_bound,
+                Law::Equality | Law::Unilateral => 0.0,
+            };
+        }
+        Ok(())
+    }
+
+    /// a_v, and a_y row by row.
+    fn solve_transpose(
+        &mut self,
+        system: &ActiveSystem,
+        problem: &Lcp,
+        velocity_bar: &[Vector3<f64>],
+        impulse_bar: impl Fn(u32) -> f64,
+    ) -> Result<(), LcpDiffError> {
         self.y_bar.clear();
         self.y_bar.extend(system.rows().iter().map(|row| impulse_bar(*row)));
         for fold in system.folds() {
@@ -147,21 +202,10 @@ impl LcpAdjoint {
         }
         system.solve_transpose_into(problem, velocity_bar, y_bar, scratch, reduced);
         check_finite(system, self.reduced.defect)?;
-
-        let a_v = &self.reduced.velocities;
         self.rows.clear();
         self.rows.resize(problem.rows.len(), RowAdjoint::default());
         for (row, a_y) in system.rows().iter().zip(&self.reduced.impulses) {
             self.rows[*row as usize].a_y = *a_y;
-        }
-        let along = |row: u32| problem.row_velocity(row as usize, a_v) + impulse_bar(row);
-        for fold in system.folds() {
-            let normal = system.rows()[fold.column as usize] as usize;
-            self.rows[fold.row as usize].bound =
-                fold.coefficient.signum() * solution.impulses[normal] * along(fold.row);
-        }
-        for &(row, impulse) in system.saturated() {
-            self.rows[row as usize].bound = impulse.signum() * along(row);
         }
         Ok(())
     }

@@ -12,6 +12,7 @@ mod residual;
 mod active_system;
 mod band;
 mod body_system;
+mod central;
 mod polish;
 // and the paper's matrices.
 mod dense;

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use tangency_bench::scenes::{between_discs, disc, material, pendulum, plane, unit_scene};
 use tangency_core::{BodyDef, Param, SceneDef};
 
-use crate::lab::recommended;
+use crate::lab::{recommended, resolved};
 use crate::run::Run;
 use crate::{Case, Lab, Part, Stop};
 
@@ -19,6 +19,8 @@ pub(crate) const CASES: &[Case] = &[Case {
         Part::new("(c) balanced rod", balances),
     ],
 }];
+
+const DT: f64 = 0.01;
 
 /// dy/d(y0 or vy0) of a body.
 fn across(
@@ -39,6 +41,7 @@ fn scatters(lab: &mut Lab<'_>) -> Result<(), Stop> {
         (10.0, 22_619_537.0, 31_988_856.0),
     ] {
         let run = lab.run(&recommended(between_discs()), 2.0 * impacts)?;
+        let located = lab.run(&resolved(between_discs(), DT), 2.0 * impacts)?;
         let off = run.worst(|s| s.q[BALL].y.abs());
         lab.near(format!("(a) distance from the axis, n={impacts}"), off, 0.0, 1e-9);
         let speed = run.worst(|s| (s.v[BALL].x.abs() - 1.0).abs());
@@ -48,6 +51,7 @@ fn scatters(lab: &mut Lab<'_>) -> Result<(), Stop> {
         {
             let slope = across(lab, &run, BALL, param)?;
             lab.relative(format!("(a) dy/d{what}, n={impacts}, at 1 ms"), slope, exact, 2e-2);
+            let slope = across(lab, &located, BALL, param)?;
             lab.impact(format!("(a) dy/d{what}, n={impacts}"), slope, exact, 1e-6 * exact);
         }
     }
@@ -79,7 +83,7 @@ fn runs_straight_for_long(lab: &mut Lab<'_>) -> Result<(), Stop> {
 /// d/d(start) is ±1, d/d(velocity) ± the time.
 fn grows_linearly(lab: &mut Lab<'_>, time: f64, signs: [f64; 2]) -> Result<(), Stop> {
     const BALL: usize = 4;
-    let run = lab.run(&recommended(billiard()), time)?;
+    let run = lab.run(&resolved(billiard(), DT), time)?;
     for (axis, (name, sign)) in ["x", "y"].iter().zip(signs).enumerate() {
         let seed = run.pick(|s| s.q[BALL][axis] = 1.0);
         let by_place = lab.slope(&run, &seed, &[(Param::Position(BALL, axis), 1.0)])?;
@@ -102,7 +106,7 @@ fn balances(lab: &mut Lab<'_>) -> Result<(), Stop> {
         let seed = plain.pick(|s| s.q[0].z = 1.0);
         let slope = lab.slope(&plain, &seed, &turn)?;
         lab.relative(format!("(c) d angle({time})/d angle0 at 1 ms"), slope, exact, 2e-2);
-        let fine = lab.run(&recommended(pendulum(PI)), time)?;
+        let fine = lab.run(&resolved(pendulum(PI), 1e-3), time)?;
         let slope = lab.slope(&fine, &seed, &turn)?;
         lab.fine_slope(format!("(c) d angle({time})/d angle0"), slope, exact, 1e-3);
     }

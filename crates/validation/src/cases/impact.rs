@@ -6,7 +6,7 @@
 use tangency_bench::scenes::{pursuit, thrown_down};
 use tangency_core::{Param, SceneDef};
 
-use crate::lab::recommended;
+use crate::lab::resolved;
 use crate::run::{Direction, Run, by_restitution};
 use crate::{Case, Lab, Part, Stop};
 
@@ -24,6 +24,8 @@ pub(crate) const CASES: &[Case] = &[Case {
 
 const BALL: usize = 1;
 const TOLERANCE: f64 = 1e-8;
+/// For as long acts the force, s.
+const DT: f64 = 1.0 / 480.0;
 
 type Entry<'a> = (&'a str, &'a [(Param, f64)], f64);
 
@@ -56,7 +58,7 @@ fn thrown(
     y: f64,
     entries: &[Entry<'_>],
 ) -> Result<(), Stop> {
-    let run = lab.run(&recommended(def), duration)?;
+    let run = lab.run(&resolved(def, DT), duration)?;
     lab.fine(format!("{what}, y"), run.last().q[BALL].y, y, TOLERANCE);
     table(lab, &format!("{what}, y"), (&run, BALL, 1), entries)
 }
@@ -127,7 +129,7 @@ fn discs(
     x: f64,
     exact: &[f64],
 ) -> Result<(), Stop> {
-    let run = lab.run(&recommended(def), 1.0)?;
+    let run = lab.run(&resolved(def, DT), 1.0)?;
     lab.fine(what, run.last().q[body].x, x, TOLERANCE);
     let [x1, x2] = each(|i| Param::Position(i, 0));
     let [v1, v2] = each(|i| Param::Velocity(i, 0));

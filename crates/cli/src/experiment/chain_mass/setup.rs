@@ -6,7 +6,7 @@ use rand::rngs::StdRng;
 use rand_distr::{Distribution as _, Normal};
 use tangency::diff::Parameter;
 use tangency::lcp::LcpSolver;
-use tangency::{Scene, simulate};
+use tangency::{GradientMode, Scene, simulate};
 use tangency_bench::scenes::paper_chain;
 
 use crate::Failure;
@@ -60,6 +60,7 @@ impl<'a> Setup<'a> {
             solver: self.solver,
             steps: STEPS,
             checkpoints: false,
+            mode: GradientMode::Exact,
         }
     }
 
