@@ -28,7 +28,7 @@ pub(crate) fn mend_positions(
     let loose = loose_bodies(record, scratch);
     let Stabilisation { joints, contacts } = scene.stabilisation();
     let mends_contacts = contacts == Correction::Post && !record.contacts.is_empty();
-    let mends = joints == Correction::Post || mends_contacts || record.motion == Motion::Flow;
+    let mends = joints == Correction::Post || mends_contacts || record.motion.flows();
     if loose.is_empty() && !mends {
         scratch.flags.give(loose);
         return Ok(());
@@ -75,12 +75,12 @@ fn evaluate(record: &StepRecord, loose: Vec<bool>, scratch: &mut StepScratch) ->
 
 /// Which contacts pressed in a flow; empty for other motions.
 fn pressed(record: &StepRecord, scratch: &mut StepScratch) -> Vec<bool> {
-    if record.motion != Motion::Flow || record.contacts.is_empty() {
+    if !record.motion.flows() || record.contacts.is_empty() {
         return Vec::new();
     }
     let mut pressed = scratch.flags.take();
     pressed.resize(record.contacts.len(), false);
-    for island in &record.islands {
+    for island in record.problems() {
         for (source, impulse) in island.sources.iter().zip(&island.solution.impulses) {
             if let RowSource::Normal { contact } = source {
                 pressed[*contact as usize] = *impulse > 0.0;

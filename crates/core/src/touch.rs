@@ -9,7 +9,7 @@
 //!  u above that        it leaves, and may come back within the step
 //! ```
 //!
-//! A ball that leaves at u takes 2 u/(a (1 − e)) for all the bounces that are left: what would come to
+//! (of smooth flows nothing rests that has a speed: u = 0, or it leaves.) A ball that leaves at u takes 2 u/(a (1 − e)) for all the bounces that are left: what would come to
 //! rest within the length of a step rests at once, so that none of infinitely many impacts is missed.
 
 use nalgebra::Vector3;
@@ -67,6 +67,7 @@ impl Survey {
         scene: &Scene,
         state: &State,
         control: &[f64],
+        smooth: bool,
         scratch: &mut StepScratch,
     ) -> Result<Self, StepError> {
         scratch.frames.place(&state.q);
@@ -79,7 +80,7 @@ impl Survey {
             *gain = gain.component_div(&scene.bodies[i].mass) - state.v[i];
         }
         let context = RowContext { contacts: &contacts, ..context };
-        let look = Look { context, gains: &gains };
+        let look = Look { context, gains: &gains, smooth };
         let (touches, bounces) =
             (0..contacts.len()).map(|index| look.contact(number(index))).unzip();
         let (reached, closing) = look.limits();
@@ -164,6 +165,8 @@ struct Look<'a> {
     context: RowContext<'a>,
     /// What free bodies gain within a step, m/s and rad/s.
     gains: &'a [Vector3<f64>],
+    /// Whether what follows is a smooth flow.
+    smooth: bool,
 }
 
 impl Look<'_> {
@@ -176,11 +179,12 @@ impl Look<'_> {
         let (u, e) = (self.context.speed(&row), self.context.scene.pair_restitution(a, b).value);
         let (noise, rest) = (self.noise(&row), 0.5 * (1.0 - e) * self.pull(&row));
         let bounces = -e * u > rest.max(noise);
+        let stays = if self.smooth { noise } else { rest.max(noise) };
         let touch = if gap > slop || (u < -noise && gap > LOCATED * slop) {
             Touch::Apart
         } else if u < -noise {
             Touch::Closing { bounces }
-        } else if u <= rest.max(noise) {
+        } else if u <= stays {
             Touch::Resting
         } else {
             Touch::Leaving
@@ -198,12 +202,7 @@ impl Look<'_> {
 
     /// What of a row's speed may be rounding.
     fn noise(&self, row: &RowGeometry) -> f64 {
-        let side = |k: usize| {
-            row.bodies[k].map_or(0.0, |b| {
-                row.jacobian[k].abs().dot(&(self.context.v[b].abs() + self.gains[b].abs()))
-            })
-        };
-        NOISE * (side(0) + side(1))
+        noise(&self.context, row, |body| self.gains[body])
     }
 
     /// Limits that are reached, and which of them are run into.
@@ -212,8 +211,10 @@ impl Look<'_> {
         for source in limits(self.context.scene) {
             let row = self.context.geometry(source);
             let slop = self.context.slop(source);
-            let closes = self.context.speed(&row) < -self.noise(&row);
-            if row.value <= if closes { LOCATED * slop } else { slop } {
+            let (speed, noise) = (self.context.speed(&row), self.noise(&row));
+            let closes = speed < -noise;
+            let leaves = self.smooth && speed > noise;
+            if !leaves && row.value <= if closes { LOCATED * slop } else { slop } {
                 reached.push(source);
                 closing.extend(closes.then_some(source));
             }
@@ -228,8 +229,32 @@ impl Look<'_> {
         };
         let joints = (0_u32..).zip(&self.context.scene.joints);
         let mut rigid = joints.filter(|(_, joint)| joint.softness.is_none());
-        rigid.any(|(index, joint)| joint.held.iter().any(|row| off(index, row)))
+        rigid.any(|(index, joint)| {
+            joint.held.iter().any(|row| off(index, row)) || (self.smooth && self.is_driven_off(index))
+        })
     }
+
+    /// Whether a motor without a maximum is not at its speed.
+    fn is_driven_off(&self, joint: u32) -> bool {
+        let motor = self.context.joint(joint).motor;
+        motor.is_some_and(|motor| motor.max.is_none()) && {
+            let row = self.context.geometry(RowSource::Motor { joint });
+            let (speed, target) = (self.context.speed(&row), self.context.motor_speed(joint));
+            (speed - target).abs() > self.noise(&row) + NOISE * target.abs()
+        }
+    }
+}
+
+/// What of a row's speed may be rounding, for what bodies gain within a step.
+pub(crate) fn noise(
+    context: &RowContext<'_>,
+    row: &RowGeometry,
+    gain: impl Fn(usize) -> Vector3<f64>,
+) -> f64 {
+    let side = |k: usize| {
+        row.bodies[k].map_or(0.0, |b| row.jacobian[k].abs().dot(&(context.v[b].abs() + gain(b).abs())))
+    };
+    NOISE * (side(0) + side(1))
 }
 
 /// All limits of a scene's joints.
