@@ -38,6 +38,8 @@ mod state;
 // and how it moves.
 pub mod bend;
 mod detect;
+mod event;
+mod flow;
 mod frames;
 mod guess;
 mod inspect;

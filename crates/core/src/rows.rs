@@ -59,7 +59,8 @@ impl Rows {
             let (mut rhs, compliance) = if let Some(common) = common {
                 (common.d_position * value, common.compliance)
             } else if smooth {
-                (-context.bend(source((row, held))).value, 0.0)
+                let source = RowSource::Held { joint: index, row: number(row) };
+                (-context.bend(source).value, 0.0)
             } else {
                 let geometry = RowGeometry { bodies: joint.bodies, value, jacobian };
                 let speed = context.speed(&geometry);

@@ -23,7 +23,7 @@ use crate::scratch::StepScratch;
 use crate::{JointRow, State, StepError};
 
 /// Speeds below this part of those that add up to them are rounding.
-const NOISE: f64 = 1e-10;
+pub(crate) const NOISE: f64 = 1e-10;
 
 /// What is closing is located to this part of what counts as rounding of gaps.
 const LOCATED: f64 = 1e-4;

@@ -1,7 +1,7 @@
 //! Derivatives of steps that impacts divide.
 //!
-//! The part before an impact is a flow F(x, τ) whose length obeys g(F(x, τ)) = 0, the last part lasts for
-//! dt − Σ τ. With x̄ the gradient by the state that hits and l̄ that by the length of the last part,
+//! The part before an event is a flow F(x, τ) whose length obeys g(F(x, τ)) = 0 (g a gap, or whatever tells
+//! the time, see [`Event`]), the last part lasts for dt − Σ τ. With x̄ the gradient by the state that hits and l̄ that by the length of the last part,
 //!
 //! ```text
 //!  dτ = −(∂g·dF + g_p dp)/ġ           ġ = ∂g·F_τ           dx = dF + F_τ dτ
@@ -16,11 +16,11 @@ use tangency_core::row::{RowContext, RowSource};
 use tangency_core::{Motion, Scene, State, StepRecord};
 
 use crate::error::DiffError;
-use crate::island::{gap_jvp, gap_vjp};
+use crate::event::Event;
 use crate::lcp::WEAK_MARGIN;
 use crate::report::{GradientReport, Switch};
 use crate::reverse::Reverse;
-use crate::step::{contact_changes, part_jvp};
+use crate::step::part_jvp;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
 
 impl Reverse {
@@ -33,47 +33,41 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
-        if record.fell_back() {
-            report.add_fall_back();
-        }
         report.go_to(None);
         let by_dt = std::mem::take(&mut bars.scene.dt);
         self.part(scene, start(before, record, record.parts.len()), record, bars, report)?;
         let by_length = bars.scene.dt;
-        let mut impact: Option<&StepRecord> = None;
         for (k, part) in record.parts.iter().enumerate().rev() {
             let before = start(before, record, k);
             report.go_to(Some(k + 1));
-            if let Some(impact) = impact.take() {
-                self.hit(scene, before, [part, impact], by_length, bars, report)?;
+            if let Some(event) = Event::of(scene, part, record.parts.get(k + 1)) {
+                self.event(scene, before, (part, &event), by_length, bars, report)?;
             }
             report.go_to(Some(k));
             self.part(scene, before, part, bars, report)?;
-            impact = Some(part).filter(|part| part.hit.is_some());
         }
         bars.scene.dt = by_dt + by_length;
         Ok(())
     }
 
-    /// What comes through the time of an impact, by the state that the flow before it ends in.
-    fn hit(
+    /// What comes through the time of an event, by the state that the flow before it ends in.
+    fn event(
         &mut self,
         scene: &Scene,
         before: &State,
-        [flow, impact]: [&StepRecord; 2],
+        (flow, event): (&StepRecord, &Event<'_>),
         by_length: f64,
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
-        let Some(row) = impact.hit else { return Ok(()) };
-        let context = impact.velocity_context(scene, &flow.after);
         let rate = flow_rate(scene, before, flow)?;
-        let still = SceneVector::like(scene);
-        let opens = opening(&context, row, &rate, &still);
-        add_switches(&context, row, opens, report);
+        let opens = passing(event, &rate, flow, scene);
+        if let Event::Gap(context, row) = event {
+            add_switches(context, *row, opens, report);
+        }
         let by_time = bars.state.dot(&rate) - by_length;
         self.rotations.renew(before.q.len());
-        gap_vjp(&context, row, -by_time / opens, &mut self.rotations, bars);
+        event.pull(-by_time / opens, &mut self.rotations, bars);
         Ok(())
     }
 }
@@ -99,13 +93,11 @@ pub(crate) fn jvp(
         let (before, control) = (start(before, record, k), along.control);
         let direction = Direction { state: &state, control, scene: &numbers };
         state = part_jvp(scene, before, part, &direction)?;
-        let next = record.parts.get(k + 1);
-        if let Some((impact, row)) = next.and_then(|next| Some((next, next.hit?))) {
-            let context = impact.velocity_context(scene, &part.after);
+        if let Some(event) = Event::of(scene, part, record.parts.get(k + 1)) {
             let rate = flow_rate(scene, before, part)?;
-            let opens = opening(&context, row, &rate, &SceneVector::like(scene));
-            let later = -opening(&context, row, &state, &numbers) / opens;
-            add_scaled(&mut state, later, &rate);
+            let direction = Direction { state: &state, control, scene: &numbers };
+            let later = -event.along(&direction) / passing(&event, &rate, part, scene);
+            state.add_scaled(later, &rate);
             length -= later;
         }
     }
@@ -123,16 +115,11 @@ fn flow_rate(scene: &Scene, before: &State, flow: &StepRecord) -> Result<StateVe
     part_jvp(scene, before, flow, &along)
 }
 
-/// How a gap changes with the state and the scene's numbers.
-fn opening(
-    context: &RowContext<'_>,
-    row: RowSource,
-    state: &StateVector,
-    scene: &SceneVector,
-) -> f64 {
-    let control = vec![0.0; context.control.len()];
-    let along = Direction { state, control: &control, scene };
-    gap_jvp(context, row, &contact_changes(context, &along), &along)
+/// ġ: how what tells the time of an event changes in time.
+fn passing(event: &Event<'_>, rate: &StateVector, flow: &StepRecord, scene: &Scene) -> f64 {
+    let control = vec![0.0; flow.control.len()];
+    let still = SceneVector::like(scene);
+    event.along(&Direction { state: rate, control: &control, scene: &still })
 }
 
 /// Tells whether the time of an impact is ill-conditioned, or that of several gaps.
@@ -157,12 +144,6 @@ fn speeds(context: &RowContext<'_>, row: RowSource) -> f64 {
         body.map_or(0.0, |body| j.abs().dot(&context.v[body].abs()))
     };
     sides.map(speed).sum()
-}
-
-fn add_scaled(to: &mut StateVector, factor: f64, rate: &StateVector) {
-    to.time += factor * rate.time;
-    to.q.iter_mut().zip(&rate.q).for_each(|(a, b)| *a += b * factor);
-    to.v.iter_mut().zip(&rate.v).for_each(|(a, b)| *a += b * factor);
 }
 
 /// Whether a step has derivatives that only its parts know.

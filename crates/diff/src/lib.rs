@@ -18,14 +18,17 @@ mod momentum;
 mod rotations;
 mod shape;
 mod softening;
+mod spring;
 mod vector;
 // steps and rollouts,
 mod division;
 mod error;
+mod event;
 mod report;
 mod reverse;
 mod rollout;
 mod sizes;
+mod smooth;
 mod step;
 // all derivatives of a step at once, and products with those of a rollout,
 mod coordinates;

@@ -14,14 +14,16 @@ use crate::{island, momentum, sizes};
 /// The reverse pass of a step, and its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Reverse {
-    adjoint: LcpAdjoint,
+    pub(crate) adjoint: LcpAdjoint,
     pub(crate) rotations: Rotations,
     /// ∂L/∂v⁺, or by the displacement, per body of an island.
-    seed: Vec<Vector3<f64>>,
+    pub(crate) seed: Vec<Vector3<f64>>,
     /// ∂L/∂v⁺ per body.
     v_bar: Vec<Vector3<f64>>,
     /// ∂L/∂p per body.
-    p_bar: Vec<Vector3<f64>>,
+    pub(crate) p_bar: Vec<Vector3<f64>>,
+    /// ∂L/∂a per body, of one slope of a smooth flow.
+    pub(crate) a_bar: Vec<Vector3<f64>>,
     /// Which bodies have rows.
     bound: Vec<bool>,
     /// ∂L/∂q⁺ of a flow while the gradient by the poses of its rows is collected.
@@ -39,6 +41,9 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
+        if record.fell_back() {
+            report.add_fall_back();
+        }
         if record.parts.is_empty() {
             self.part(scene, before, record, bars, report)?;
         } else {
@@ -58,6 +63,9 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
+        if let Some(smooth) = &record.smooth {
+            return self.smooth(scene, record, smooth, bars, report);
+        }
         for post in record.post.iter().rev() {
             self.displacement(scene, record, post, bars, report)?;
         }
@@ -99,7 +107,7 @@ impl Reverse {
     }
 
     /// q̃ + dt w: turns the gradient by it into that by q̃.
-    fn displacement(
+    pub(crate) fn displacement(
         &mut self,
         scene: &Scene,
         record: &StepRecord,
@@ -122,7 +130,7 @@ impl Reverse {
     }
 
     /// One problem: from `seed` to all that it was assembled from, but for p.
-    fn island(
+    pub(crate) fn island(
         &mut self,
         context: &RowContext<'_>,
         island: &IslandRecord,
@@ -147,7 +155,9 @@ impl Reverse {
             let (by_after, by_before) = match record.motion {
                 Motion::Fixed => (q_bar * dt, Vector3::zeros()),
                 Motion::Flow => (q_bar * (0.5 * dt), q_bar * (0.5 * dt)),
-                Motion::Impact => (Vector3::zeros(), Vector3::zeros()),
+                Motion::Impact | Motion::Projection | Motion::Smooth => {
+                    (Vector3::zeros(), Vector3::zeros())
+                }
             };
             self.v_bar.push(*v_bar + by_after);
             *v_bar = by_before;

@@ -1,7 +1,7 @@
 //! Where a case runs scenes on one backend and writes down what it measures.
 
 use tangency_core::{
-    Rollout, Scene, SceneDef, State, StepError, StepRecord, StepScratch, rollout, step,
+    Rollout, Scene, SceneDef, State, StepError, StepRecord, StepScratch, Stepping, rollout, step,
 };
 use tangency_diff::StateVector;
 use tangency_lcp::{LcpSolver, RawSolver};
@@ -20,10 +20,10 @@ pub struct Lab<'a> {
     case: &'static str,
 }
 
-/// The most accurate stepping that the engine has: today fixed steps of a millisecond.
+/// The most accurate stepping that the engine has, in steps of a millisecond.
 #[must_use]
 pub fn recommended(def: SceneDef) -> SceneDef {
-    SceneDef { dt: 1e-3, ..def }
+    SceneDef { dt: 1e-3, stepping: Stepping::Accurate { max_events: 32 }, ..def }
 }
 
 /// Number of steps of a duration.
