@@ -16,7 +16,7 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{Guess, Law, Lcp, LcpSolution, Metric, Mode, solve_assembled};
+use tangency_lcp::{Guess, Law, Lcp, LcpSolution, Metric, Mode};
 
 use crate::island::Island;
 use crate::path::{Hit, Path};
@@ -29,10 +29,10 @@ use crate::touch::Survey;
 use crate::{Motion, State, StepError};
 
 /// Impulses that break their law by less than this part of all that drives a problem do not count.
-const LATE: f64 = 1e-6;
+const LATE: f64 = 1e-10;
 
 /// Accelerations that differ by less than this part are the same.
-const SAME: f64 = 1e-8;
+const SAME: f64 = 1e-11;
 
 /// Speeds are zero below this part of what counts as rounding.
 const ZERO: f64 = 1e-3;
@@ -303,12 +303,9 @@ impl Division<'_> {
         let IslandRecord { bodies, sources, problem, stage, solution, .. } = island;
         let (bodies, sources, problem) = (bodies.clone(), sources.clone(), problem.clone());
         let mut again = Island { bodies, sources, problem, stage: *stage };
-        self.lean(context, &slope.accelerations, &mut again);
         let guess = Guess { modes: solution.modes.clone(), impulses: solution.impulses.clone() };
-        let (guess, tolerance) = (Some(&guess), self.scene.tolerance());
-        let (solver, lcp) = (self.solver, &mut scratch.lcp);
-        match solve_assembled(solver, &again.problem, guess, lcp, tolerance) {
-            Ok((other, _)) => apart(&island.problem, solution, &other) > SAME,
+        match self.obey(context, &slope.accelerations, &mut again, Some(&guess), scratch) {
+            Ok(other) => apart(&island.problem, solution, &other) > SAME,
             Err(_) => true,
         }
     }

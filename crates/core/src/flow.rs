@@ -16,7 +16,9 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{Law, LcpError, Metric, Mode, solve_assembled, solve_in_modes};
+use tangency_lcp::{
+    Guess, Law, LcpError, LcpSolution, Metric, Mode, solve_assembled, solve_in_modes,
+};
 
 use crate::island::{Island, assemble};
 use crate::mend::{evaluate_at, mend_positions};
@@ -32,8 +34,9 @@ use crate::stage::Stage;
 use crate::touch::{NOISE, Survey, Touch, noise};
 use crate::{State, StepError};
 
-/// How many times more than all that drives it a row asks for whose friction must be at its bound.
-const FAR: f64 = 1e3;
+/// How many times more than all that drives it a row asks for whose friction must be at its bound: the
+/// first that is enough.
+const FAR: [f64; 4] = [4.0, 64.0, 1024.0, 1e6];
 
 /// How the modes of a flow's rows are known.
 #[derive(Clone, Copy)]
@@ -162,48 +165,72 @@ impl Division<'_> {
             return self.in_modes(context, island, &[], scratch);
         }
         let guessed = guess(context, before, index, &island, scratch);
-        let guess = guessed.then_some(&scratch.guess);
-        let leaning = self.lean(context, free, &mut island);
-        let tolerance = self.scene.tolerance();
-        let problem = &island.problem;
-        let answer = solve_assembled(self.solver, problem, guess, &mut scratch.lcp, tolerance);
-        let (solution, residual) =
-            answer.map_err(|source| refused(context, &island.bodies, source))?;
-        if leaning.is_empty() {
-            return Ok(record(island, solution, residual.max()));
+        let guess = guessed.then(|| std::mem::take(&mut scratch.guess));
+        let solution = self.obey(context, free, &mut island, guess.as_ref(), scratch);
+        if let Some(guess) = guess {
+            scratch.guess = guess;
         }
-        for (row, rhs) in leaning {
-            island.problem.rows[row].rhs = rhs;
-        }
+        let solution = solution.map_err(|source| refused(context, &island.bodies, source))?;
         let modes = solution.modes.clone();
         scratch.lcp.recycle(solution);
         self.in_modes(context, island, &modes, scratch)
     }
 
-    /// Lets the friction of what slides, and motors that are not at their speed, act in their direction
-    /// whatever the acceleration: their rows ask for more than can be. Gives these rows' own right-hand
-    /// sides. `rates` are about how bodies accelerate.
-    pub(crate) fn lean(
+    /// The solution of an island that obeys its laws. The friction of what slides, and motors that are not at
+    /// their speed, act in their direction whatever the acceleration: their rows ask for more than can be.
+    /// `rates` are about how bodies accelerate.
+    pub(crate) fn obey(
         &self,
         context: &RowContext<'_>,
         rates: &[Vector3<f64>],
         island: &mut Island,
-    ) -> Vec<(usize, f64)> {
-        let mut leaning = Vec::new();
+        guess: Option<&Guess>,
+        scratch: &mut StepScratch,
+    ) -> Result<LcpSolution, LcpError> {
+        let leaning = self.leaning(context, rates, island);
         let metric = Metric::new(&island.problem);
-        for (row, source) in island.sources.iter().enumerate() {
-            let it = &mut island.problem.rows[row];
-            if !matches!(it.law, Law::Friction { .. } | Law::Bounded { .. }) {
-                continue;
+        let own: Vec<f64> = leaning.iter().map(|(row, _)| island.problem.rows[*row].rhs).collect();
+        let mut answer = Err(LcpError::NotConverged { iterations: 0, residual: f64::INFINITY });
+        for far in FAR {
+            for (row, speed) in &leaning {
+                let rhs = far * metric.scale * metric.root(*row) + speed.abs() / self.scene.dt;
+                island.problem.rows[*row].rhs = -rhs.copysign(*speed);
             }
-            let (speed, noise) = self.drift(context, rates, *source);
-            if speed.abs() > noise {
-                let far = FAR * metric.scale * metric.root(row) + speed.abs() / self.scene.dt;
-                leaning.push((row, it.rhs));
-                it.rhs = -far.copysign(speed);
+            let (problem, tolerance) = (&island.problem, self.scene.tolerance());
+            let found = solve_assembled(self.solver, problem, guess, &mut scratch.lcp, tolerance);
+            let leans = |solution: &LcpSolution| {
+                let against = |speed: f64| if speed > 0.0 { Mode::Lower } else { Mode::Upper };
+                let leans = |mode, speed| mode == Mode::Open || mode == against(speed);
+                leaning.iter().all(|(row, speed)| leans(solution.modes[*row], *speed))
+            };
+            let enough = found.as_ref().map_or(true, |(solution, _)| leans(solution));
+            if enough {
+                answer = found.map(|(solution, _)| solution);
+                break;
             }
         }
-        leaning
+        for ((row, _), rhs) in leaning.iter().zip(own) {
+            island.problem.rows[*row].rhs = rhs;
+        }
+        answer
+    }
+
+    /// The rows of what slides, and of motors that are not at their speed, with how fast that is.
+    fn leaning(
+        &self,
+        context: &RowContext<'_>,
+        rates: &[Vector3<f64>],
+        island: &Island,
+    ) -> Vec<(usize, f64)> {
+        let bounded = |row: &usize| {
+            matches!(island.problem.rows[*row].law, Law::Friction { .. } | Law::Bounded { .. })
+        };
+        let rows = (0..island.sources.len()).filter(bounded);
+        let leaning = rows.filter_map(|row| {
+            let (speed, noise) = self.drift(context, rates, island.sources[row]);
+            (speed.abs() > noise).then_some((row, speed))
+        });
+        leaning.collect()
     }
 
     /// How fast a contact slides, or by how much a motor is off its speed, and what of it may be rounding.
@@ -218,7 +245,10 @@ impl Division<'_> {
             RowSource::Motor { joint } => context.motor_speed(joint),
             _ => 0.0,
         };
-        let gain = |body: usize| rates[body] * self.scene.dt;
+        let gain = |body: usize| {
+            let (pull, turn) = (rates[body].xy().norm(), rates[body].z.abs());
+            Vector3::new(pull, pull, turn) * self.scene.dt
+        };
         (context.speed(&row) - target, noise(context, &row, gain) + NOISE * target.abs())
     }
 

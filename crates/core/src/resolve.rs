@@ -77,6 +77,11 @@ impl Division<'_> {
     ) -> Result<StepRecord, StepError> {
         let (mut parts, mut left, mut now) = (Vec::new(), self.scene.dt, state.clone());
         let (mut hit, mut jolted, mut events) = (None, false, 0);
+        if self.smooth && before.is_none() && self.scene.joints.iter().any(|j| j.softness.is_none()) {
+            let joined = self.join(&now, scratch)?;
+            now.clone_from(&joined.after);
+            parts.push(joined);
+        }
         let mut last = loop {
             let mut survey = Survey::new(self.scene, &now, self.control, self.smooth, scratch)?;
             if jolted {
@@ -223,6 +228,15 @@ impl Division<'_> {
             .extend(survey.with(|_, touch| touch == Touch::Resting).map(|(contact, _)| *contact));
         let (motion, reached) = (Motion::Flow, survey.reached.as_slice());
         let plan = Plan { motion, dt, contacts, bounces: Vec::new(), reached, hit: None, before };
+        self.part(now, plan, scratch)
+    }
+
+    /// An impact of the rigid joints alone, where nobody knows that velocities obey them. It changes none
+    /// that do, but it tells how those depend on a state that may change in any direction.
+    fn join(&self, now: &State, scratch: &mut StepScratch) -> Result<StepRecord, StepError> {
+        let (motion, contacts, bounces) = (Motion::Impact, Vec::new(), Vec::new());
+        let reached = &[];
+        let plan = Plan { motion, dt: 0.0, contacts, bounces, reached, hit: None, before: None };
         self.part(now, plan, scratch)
     }
 
