@@ -190,9 +190,7 @@ impl Offset {
             let (p, v) = (sign * bars.r, bars.v[side] + r1);
             let angle = bars.theta[side] + perp(rho).dot(&arm);
             bend.by_pose.fixed_rows_mut::<3>(3 * side).copy_from(&Vector3::new(p.x, p.y, angle));
-            bend.by_velocity
-                .fixed_rows_mut::<3>(3 * side)
-                .copy_from(&Vector3::new(v.x, v.y, turn));
+            bend.by_velocity.fixed_rows_mut::<3>(3 * side).copy_from(&Vector3::new(v.x, v.y, turn));
             bend.by_anchors[2 * side] = c * arm.x + s * arm.y;
             bend.by_anchors[2 * side + 1] = c * arm.y - s * arm.x;
         }

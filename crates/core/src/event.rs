@@ -16,38 +16,29 @@
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;
-use tangency_lcp::{Guess, Law, Lcp, LcpSolution, Metric, Mode};
+use tangency_lcp::Mode;
 
-use crate::island::Island;
 use crate::path::{Hit, Path};
-use crate::record::{IslandRecord, StepRecord};
+use crate::record::StepRecord;
 use crate::resolve::Division;
 use crate::row::{RowContext, RowSource};
 use crate::scratch::StepScratch;
-use crate::smooth::{End, Slope};
+use crate::search::Search;
+use crate::smooth::End;
 use crate::touch::Survey;
 use crate::{Motion, State, StepError};
 
 /// Impulses that break their law by less than this part of all that drives a problem do not count.
 const LATE: f64 = 1e-10;
 
-/// Accelerations that differ by less than this part are the same.
-const SAME: f64 = 1e-11;
-
 /// Speeds are zero below this part of what counts as rounding.
 const ZERO: f64 = 1e-3;
-
-/// Parts of a step by which times differ that are the same.
-const INSTANT: f64 = 1e-16;
 
 /// Parts of a step by which a force begins or ends later that begins or ends now.
 const NOW: f64 = 1e-9;
 
 /// Places along a flow at which speeds are looked at.
 const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-
-/// Steps of a search for the time of an event, at most.
-const MOST: usize = 80;
 
 /// How often an event may turn out to have another one before it.
 const EARLIER: usize = 8;
@@ -154,8 +145,9 @@ impl Division<'_> {
             Event::Hit(hit) => self.locate(now, survey, hit, limit, scratch),
             Event::Stop { within, source, sign, .. } => {
                 let first = self.flow(now, survey, 0.0, None, scratch)?;
+                let rates = rates(&first);
                 let speed = |flow: &StepRecord| {
-                    let (speed, noise) = self.drift_of(flow, source, &flow.after);
+                    let (speed, noise) = self.drift_of(flow, &rates, source, &flow.after);
                     (sign * speed, ZERO * noise)
                 };
                 let search = Search { start: speed(&first).0, within: within.min(limit) };
@@ -205,12 +197,14 @@ impl Division<'_> {
     /// The first speed of a contact that slides, or of a motor at its maximum, that changes its sign.
     fn first_stop(&self, path: &Path<'_>) -> Option<Event> {
         let mut first: Option<(f64, Event)> = None;
+        let rates = rates(path.flow);
         for (source, sign) in leaning(path.flow) {
-            let mut last = (0.0, sign * self.drift_of(path.flow, source, path.from).0);
+            let speed = |state: &State| self.drift_of(path.flow, &rates, source, state);
+            let mut last = (0.0, sign * speed(path.from).0);
             for part in LOOKS {
                 let within = part * path.flow.dt;
                 let state = if part < 1.0 { &path.state(within) } else { &path.flow.after };
-                let (speed, noise) = self.drift_of(path.flow, source, state);
+                let (speed, noise) = speed(state);
                 let value = sign * speed;
                 if value < -noise {
                     let (s, before) = (last.0, f64::max(last.1, 0.0));
@@ -227,8 +221,13 @@ impl Division<'_> {
     }
 
     /// The speed of a row that slides, and what of it may be rounding, at another state.
-    fn drift_of(&self, flow: &StepRecord, source: RowSource, state: &State) -> (f64, f64) {
-        let rates = flow.smooth.as_ref().map_or(&[][..], |smooth| &smooth.slopes[0].accelerations);
+    fn drift_of(
+        &self,
+        flow: &StepRecord,
+        rates: &[Vector3<f64>],
+        source: RowSource,
+        state: &State,
+    ) -> (f64, f64) {
         let context = RowContext::of(self.scene, state, self.control, self.scene.dt);
         let RowSource::Tangent { contact } = source else {
             return self.drift(&context, rates, source);
@@ -268,48 +267,6 @@ impl Division<'_> {
         Ok((after < -LATE).then(event))
     }
 
-    /// How far the impulses after a flow are from the ends of their laws, at least, relative to all that
-    /// drives the problem; negative only if the laws then ask for other accelerations. And whose it is.
-    fn margin_after(
-        &self,
-        flow: &StepRecord,
-        survey: &Survey,
-        scratch: &mut StepScratch,
-    ) -> Result<(f64, RowSource), StepError> {
-        let slope = self.slope_again(flow, &survey.reached, scratch)?;
-        let context = flow.slope_context(self.scene, &slope);
-        let (margin, source) = self.margin(&context, &slope);
-        let mut broken = slope.islands.iter().filter(|island| margin_of(self, &context, &slope, island).0 < 0.0);
-        if margin < 0.0 && !broken.any(|island| self.differs(&context, &slope, island, scratch)) {
-            return Ok((0.0, source));
-        }
-        Ok((margin, source))
-    }
-
-    /// The least margin of a slope's rows.
-    fn margin(&self, context: &RowContext<'_>, slope: &Slope) -> (f64, RowSource) {
-        let of_island = |island| margin_of(self, context, slope, island);
-        slope.islands.iter().map(of_island).fold(NO_MARGIN, least)
-    }
-
-    /// Whether the laws of an island ask for other accelerations than its modes.
-    fn differs(
-        &self,
-        context: &RowContext<'_>,
-        slope: &Slope,
-        island: &IslandRecord,
-        scratch: &mut StepScratch,
-    ) -> bool {
-        let IslandRecord { bodies, sources, problem, stage, solution, .. } = island;
-        let (bodies, sources, problem) = (bodies.clone(), sources.clone(), problem.clone());
-        let mut again = Island { bodies, sources, problem, stage: *stage };
-        let guess = Guess { modes: solution.modes.clone(), impulses: solution.impulses.clone() };
-        match self.obey(context, &slope.accelerations, &mut again, Some(&guess), scratch) {
-            Ok(other) => apart(&island.problem, solution, &other) > SAME,
-            Err(_) => true,
-        }
-    }
-
     /// How long a flow may be until a force begins or ends.
     pub(crate) fn until_clock(&self, now: &State, left: f64) -> f64 {
         let ends = self.scene.forces.iter().flat_map(|force| [force.start, force.end]);
@@ -319,58 +276,9 @@ impl Division<'_> {
     }
 }
 
-const NO_MARGIN: (f64, RowSource) = (f64::INFINITY, RowSource::Held { joint: 0, row: 0 });
-
-fn least(a: (f64, RowSource), b: (f64, RowSource)) -> (f64, RowSource) {
-    if b.0 < a.0 { b } else { a }
-}
-
-/// How far an island's impulses are from the ends of their laws.
-fn margin_of(
-    division: &Division<'_>,
-    context: &RowContext<'_>,
-    slope: &Slope,
-    island: &IslandRecord,
-) -> (f64, RowSource) {
-    let IslandRecord { problem, solution, sources, .. } = island;
-    if problem.is_linear() {
-        return NO_MARGIN;
-    }
-    let metric = Metric::new(problem);
-    let impulse = |row: usize| metric.impulse(row, solution.impulses[row]);
-    let mut all = NO_MARGIN;
-    for (row, source) in sources.iter().enumerate() {
-        let margin = match (problem.rows[row].law, solution.modes[row]) {
-            (Law::Unilateral, Mode::Active) => impulse(row),
-            (Law::Unilateral, _) => {
-                let (speed, noise) = division.drift(context, &slope.accelerations, *source);
-                let rests = speed.abs() <= noise;
-                if rests { metric.remainder(row, solution.slacks[row]) } else { f64::INFINITY }
-            }
-            (Law::Friction { normal, mu }, Mode::Active) => {
-                let bound = mu * solution.impulses[normal as usize].max(0.0);
-                metric.impulse(row, bound) - impulse(row).abs()
-            }
-            (Law::Bounded { max }, Mode::Active) => metric.impulse(row, max) - impulse(row).abs(),
-            _ => f64::INFINITY,
-        };
-        let relative = if metric.scale > 0.0 { margin / metric.scale } else { f64::INFINITY };
-        all = least(all, (relative, *source));
-    }
-    all
-}
-
-/// How far two solutions of a problem are apart, relative to all that drives it.
-fn apart(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> f64 {
-    let metric = Metric::new(problem);
-    let mut worst = 0.0_f64;
-    for (body, mass) in problem.mass.iter().enumerate() {
-        let change: Vector3<f64> = one.velocities[body] - other.velocities[body];
-        for (m, change) in mass.iter().zip(&change) {
-            worst = worst.max(metric.momentum(m * change, *m).abs());
-        }
-    }
-    if metric.scale > 0.0 { worst / metric.scale } else { 0.0 }
+/// How fast bodies accelerate in a flow, about.
+fn rates(flow: &StepRecord) -> Vec<Vector3<f64>> {
+    flow.smooth.as_ref().map_or_else(Vec::new, |smooth| smooth.slopes[0].rates())
 }
 
 /// The rows of a flow whose impulses are at an end of their law, with the sign of their speed.
@@ -397,50 +305,4 @@ pub(crate) fn ended(mut flow: StepRecord, end: End) -> StepRecord {
         smooth.end = Some(end);
     }
     flow
-}
-
-/// A search for the length of a flow at which a value is zero: positive at the start, negative at `within`.
-struct Search {
-    start: f64,
-    within: f64,
-}
-
-impl Search {
-    /// `look` gives the value after a length, how near to zero is zero, and the flow. Secants of an interval
-    /// (Dowell & Jarratt 1971), halved where they creep. `None` if the value is not negative in the end.
-    fn find(
-        &self,
-        dt: f64,
-        mut look: impl FnMut(f64) -> Result<(f64, f64, StepRecord), StepError>,
-    ) -> Result<Option<StepRecord>, StepError> {
-        let (value, zero, flow) = look(self.within)?;
-        if value.abs() <= zero {
-            return Ok(Some(flow));
-        }
-        if value > 0.0 {
-            return Ok(None);
-        }
-        let (mut low, mut high) = ((0.0, self.start.max(zero)), (self.within, value));
-        let (mut last, mut side) = (flow, 0);
-        for count in 0..MOST {
-            let width = high.0 - low.0;
-            if width <= INSTANT * dt {
-                break;
-            }
-            let secant = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let at = if count % 4 == 3 { low.0 + 0.5 * width } else { secant };
-            let (value, zero, flow) = look(at)?;
-            if value.abs() <= zero {
-                return Ok(Some(flow));
-            }
-            if value > 0.0 {
-                high.1 *= if side == 1 { 0.5 } else { 1.0 };
-                (low, side) = ((at, value), 1);
-            } else {
-                low.1 *= if side == -1 { 0.5 } else { 1.0 };
-                (high, side, last) = ((at, value), -1, flow);
-            }
-        }
-        Ok(Some(last))
-    }
 }

@@ -67,6 +67,8 @@ pub(crate) struct Path<'a> {
     pub(crate) flow: &'a StepRecord,
     /// Which of its contacts cannot open.
     held: Vec<bool>,
+    /// Of a smooth flow how fast bodies accelerate, at least about.
+    rates: Vec<Vector3<f64>>,
 }
 
 impl<'a> Path<'a> {
@@ -75,7 +77,9 @@ impl<'a> Path<'a> {
             Motion::Smooth => pressed(flow, &mut StepScratch::default()),
             _ => vec![true; flow.contacts.len()],
         };
-        Self { scene, from, flow, held }
+        let smooth = flow.smooth.as_ref();
+        let rates = smooth.map_or_else(Vec::new, |smooth| smooth.slopes[0].rates());
+        Self { scene, from, flow, held, rates }
     }
 }
 
@@ -136,7 +140,8 @@ impl Path<'_> {
         let (h, after) = (self.flow.dt, &self.flow.after);
         for (i, (q, v)) in state.q.iter_mut().zip(&mut state.v).enumerate() {
             let (way, first, last) = (after.q[i] - *q, *v, after.v[i]);
-            let (square, cube) = (3.0 * way - h * (2.0 * first + last), h * (first + last) - 2.0 * way);
+            let (square, cube) =
+                (3.0 * way - h * (2.0 * first + last), h * (first + last) - 2.0 * way);
             *q += part * (h * first + part * (square + part * cube));
             *v += part * (2.0 * square + 3.0 * part * cube) / h;
         }
@@ -168,7 +173,11 @@ impl Path<'_> {
         let sides = bodies.iter().zip(&row.jacobian);
         let speeds: f64 = sides.map(|(body, j)| j.abs().dot(&state.v[*body].abs())).sum();
         let [a, b] = bodies.map(|body| self.scene.size(body));
-        let (touches, noise) = (gap <= SLOP * a.min(b), NOISE * speeds);
+        let gains = bodies.iter().zip(&row.jacobian).map(|(body, j)| {
+            let rate = self.rates.get(*body).map_or(0.0, |rate| rate.norm());
+            j.amax() * rate * self.scene.dt
+        });
+        let (touches, noise) = (gap <= SLOP * a.min(b), NOISE * (speeds + gains.sum::<f64>()));
         if touches && rate < -noise {
             return Ahead::Closed { within: gap / -rate };
         }

@@ -34,6 +34,9 @@ const MAX_NEWTON: usize = 16;
 /// Part of a step by which times differ that are the same.
 const SAME: f64 = 1e-16;
 
+/// Part of a step that is too short for positions to ask for velocities.
+const INSTANT: f64 = 1e-9;
+
 /// A step that is to be divided.
 pub(crate) struct Division<'a> {
     pub(crate) scene: &'a Scene,
@@ -77,7 +80,8 @@ impl Division<'_> {
     ) -> Result<StepRecord, StepError> {
         let (mut parts, mut left, mut now) = (Vec::new(), self.scene.dt, state.clone());
         let (mut hit, mut jolted, mut events) = (None, false, 0);
-        if self.smooth && before.is_none() && self.scene.joints.iter().any(|j| j.softness.is_none()) {
+        if self.smooth && before.is_none() && self.scene.joints.iter().any(|j| j.softness.is_none())
+        {
             let joined = self.join(&now, scratch)?;
             now.clone_from(&joined.after);
             parts.push(joined);
@@ -88,7 +92,8 @@ impl Division<'_> {
                 survey.settle();
             } else if hit.is_some() || survey.jolts() {
                 if hit.is_none() && survey.closes() {
-                    let Some(still) = self.met(self.flow(&now, &survey, 0.0, None, scratch))? else {
+                    let Some(still) = self.met(self.flow(&now, &survey, 0.0, None, scratch))?
+                    else {
                         break self.rest(&now, left, scratch)?;
                     };
                     parts.push(still);
@@ -126,7 +131,7 @@ impl Division<'_> {
         parts.iter().rfind(|part| self.smooth && part.motion == Motion::Smooth)
     }
 
-    /// The rest of a step as one of fixed length.
+    /// The rest of a step as one of fixed length; nothing where that is rounding.
     fn rest(
         &self,
         now: &State,
@@ -134,6 +139,9 @@ impl Division<'_> {
         scratch: &mut StepScratch,
     ) -> Result<StepRecord, StepError> {
         let (scene, solver) = (self.scene, self.solver);
+        if left <= INSTANT * scene.dt {
+            return Ok(StepRecord { fell_back: true, ..self.join(now, scratch)? });
+        }
         let mut record = fixed(scene, solver, now, None, self.control, left, scratch)?;
         record.fell_back = true;
         Ok(record)

@@ -31,6 +31,19 @@ pub struct Slope {
     pub accelerations: Vec<Vector3<f64>>,
 }
 
+impl Slope {
+    /// How fast bodies accelerate, and would if no row held them: what speeds are small beside.
+    pub(crate) fn rates(&self) -> Vec<Vector3<f64>> {
+        let mut rates: Vec<_> = self.accelerations.iter().map(Vector3::abs).collect();
+        for IslandRecord { bodies, problem, .. } in &self.islands {
+            for ((body, force), mass) in bodies.iter().zip(&problem.momentum).zip(&problem.mass) {
+                rates[*body as usize] += force.component_div(mass).abs();
+            }
+        }
+        rates
+    }
+}
+
 /// What brought the velocities of a flow back to what its rows hold.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Meeting {

@@ -47,7 +47,12 @@ pub(crate) fn guess(
     true
 }
 
-pub(crate) fn refusal(context: &RowContext<'_>, time: f64, bodies: &[u32], source: LcpError) -> StepError {
+pub(crate) fn refusal(
+    context: &RowContext<'_>,
+    time: f64,
+    bodies: &[u32],
+    source: LcpError,
+) -> StepError {
     let names = bodies.iter().map(|b| context.scene.bodies[*b as usize].name.as_str());
     StepError::Lcp { time, bodies: names.collect::<Vec<_>>().join(", "), source }
 }

@@ -80,7 +80,8 @@ impl Survey {
             *gain = gain.component_div(&scene.bodies[i].mass) - state.v[i];
         }
         let context = RowContext { contacts: &contacts, ..context };
-        let look = Look { context, gains: &gains, smooth };
+        let driven = if smooth { driven(&context) } else { Vec::new() };
+        let look = Look { context, gains: &gains, smooth, driven: &driven };
         let (touches, bounces) =
             (0..contacts.len()).map(|index| look.contact(number(index))).unzip();
         let (reached, closing) = look.limits();
@@ -167,6 +168,8 @@ struct Look<'a> {
     gains: &'a [Vector3<f64>],
     /// Whether what follows is a smooth flow.
     smooth: bool,
+    /// What motors at their maximum give bodies within a step, m/s and rad/s; empty where it is not asked.
+    driven: &'a [Vector3<f64>],
 }
 
 impl Look<'_> {
@@ -202,7 +205,8 @@ impl Look<'_> {
 
     /// What of a row's speed may be rounding.
     fn noise(&self, row: &RowGeometry) -> f64 {
-        noise(&self.context, row, |body| self.gains[body])
+        let driven = |body: usize| self.driven.get(body).copied().unwrap_or_default();
+        noise(&self.context, row, |body| self.gains[body].abs() + driven(body))
     }
 
     /// Limits that are reached, and which of them are run into.
@@ -230,7 +234,8 @@ impl Look<'_> {
         let joints = (0_u32..).zip(&self.context.scene.joints);
         let mut rigid = joints.filter(|(_, joint)| joint.softness.is_none());
         rigid.any(|(index, joint)| {
-            joint.held.iter().any(|row| off(index, row)) || (self.smooth && self.is_driven_off(index))
+            joint.held.iter().any(|row| off(index, row))
+                || (self.smooth && self.is_driven_off(index))
         })
     }
 
@@ -252,9 +257,26 @@ pub(crate) fn noise(
     gain: impl Fn(usize) -> Vector3<f64>,
 ) -> f64 {
     let side = |k: usize| {
-        row.bodies[k].map_or(0.0, |b| row.jacobian[k].abs().dot(&(context.v[b].abs() + gain(b).abs())))
+        row.bodies[k]
+            .map_or(0.0, |b| row.jacobian[k].abs().dot(&(context.v[b].abs() + gain(b).abs())))
     };
     NOISE * (side(0) + side(1))
+}
+
+/// What motors at their maximum give bodies within a step, m/s and rad/s.
+fn driven(context: &RowContext<'_>) -> Vec<Vector3<f64>> {
+    let scene = context.scene;
+    let mut driven = vec![Vector3::zeros(); scene.bodies.len()];
+    for (joint, it) in (0_u32..).zip(&scene.joints) {
+        let Some(max) = it.motor.and_then(|motor| motor.max) else { continue };
+        let row = context.geometry(RowSource::Motor { joint });
+        for (body, j) in row.bodies.iter().zip(&row.jacobian) {
+            if let Some(body) = body.filter(|body| scene.is_dynamic(*body)) {
+                driven[body] += j.abs().component_div(&scene.bodies[body].mass) * (max * scene.dt);
+            }
+        }
+    }
+    driven
 }
 
 /// All limits of a scene's joints.

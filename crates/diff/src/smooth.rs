@@ -119,7 +119,8 @@ pub(crate) fn jvp(
     let mut at = along.state.clone();
     for (k, slope) in smooth.slopes.iter().enumerate() {
         let direction = Direction { state: &at, control: along.control, scene: &numbers };
-        let da = slope_jvp(&record.slope_context(scene, slope), record.middle(), slope, &direction)?;
+        let da =
+            slope_jvp(&record.slope_context(scene, slope), record.middle(), slope, &direction)?;
         let rate = Rate { h, dh, slope, dv: &at.v, da: &da };
         rate.add(WEIGHTS[k], &mut d_after);
         if let Some(part) = STEPS.get(k) {

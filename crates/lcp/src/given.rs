@@ -1,6 +1,7 @@
 //! Problems whose modes are known, as those along a motion are between its events: one linear system.
 
 use crate::linear::solve_linear_in;
+use crate::metric::quotient;
 use crate::{Law, Lcp, LcpError, LcpSolution, Metric, Mode, Polish, Polished, Residual, Scratch};
 
 /// Above this defect, rows are nearly dependent, and the dense system is tried.
@@ -59,7 +60,7 @@ fn of_pieces(
     }
 }
 
-/// What momentum and active rows leave over.
+/// What momentum and active rows leave over, relative to all that drives the problem, motors included.
 fn defect(problem: &Lcp, metric: &Metric, found: &Polished) -> f64 {
     let Polished { solution, residual: Residual { momentum, .. } } = found;
     let active = |row: &usize| {
@@ -67,5 +68,12 @@ fn defect(problem: &Lcp, metric: &Metric, found: &Polished) -> f64 {
     };
     let rows = (0..problem.rows.len()).filter(active);
     let left = rows.map(|row| metric.remainder(row, solution.slacks[row]).abs());
-    metric.relative(left.fold(0.0, f64::max)).max(*momentum)
+    let bound = |row: usize| match (problem.rows[row].law, solution.modes[row]) {
+        (Law::Bounded { .. }, Mode::Upper | Mode::Lower) => {
+            metric.impulse(row, solution.impulses[row].abs())
+        }
+        _ => 0.0,
+    };
+    let scale = (0..problem.rows.len()).map(bound).fold(metric.scale, f64::max);
+    quotient(left.fold(0.0, f64::max), scale).max(*momentum)
 }

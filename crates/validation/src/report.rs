@@ -125,8 +125,8 @@ high precision, against what the engine makes of them. `tangency validate --long
 same table as CSV; `tangency validate V05` measures one case. The tests run the same cases.
 
 A figure without further words is one that plain fixed stepping must meet. Those marked *fine* and *impact*
-belong to steppings that locate events inside a step: they are measured with plain steps of a millisecond
-and listed so that nothing hides; *not reached yet* is no failure. *Refused* means that a backend said that
+belong to `accurate` stepping, which locates events inside a step: they are measured with its steps of a
+millisecond and listed so that nothing hides; *not reached yet* is no failure. *Refused* means that a backend said that
 a matrix is not of the class that it solves.
 ";
 

@@ -1,11 +1,12 @@
 //! Events between smooth flows, against closed forms.
 
 use tangency::{
-    BodyDef, JointDef, JointKind, Limits, Motor, Rollout, SceneDef, State, StepRecord, Stepping, WORLD,
+    BodyDef, JointDef, JointKind, Limits, Motor, Rollout, SceneDef, State, StepRecord, Stepping,
+    WORLD,
 };
 use tangency_bench::scenes::{
-    conveyor, disc, falling_disc, groove, hinge, incline_block, ladder, rocking_box, rod, sliding_disc,
-    unit_scene,
+    conveyor, disc, falling_disc, groove, hinge, incline_block, ladder, rocking_box, rod,
+    sliding_disc, unit_scene,
 };
 
 use super::accurate;
@@ -122,9 +123,11 @@ fn bounces_come_to_rest() {
     for solver in backends() {
         let tape = run(&built(&accurate(falling_disc(1.0, 0.8), 1e-3)), &*solver, 5000);
         nothing_fell_back(&tape);
-        for (step, gap) in
-            [(1000, 0.468_004_452_526_036_31), (2000, 0.260_741_728_327_057_2), (3000, 0.068_707_460_965_765_722)]
-        {
+        for (step, gap) in [
+            (1000, 0.468_004_452_526_036_31),
+            (2000, 0.260_741_728_327_057_2),
+            (3000, 0.068_707_460_965_765_722),
+        ] {
             near("gap", tape.state(step).q[1].y - 0.1, gap, 1e-11);
         }
         near("gap(5)", tape.last().q[1].y - 0.1, 0.0, 1e-12);
@@ -174,7 +177,10 @@ fn a_limit_stops_a_motor() {
 /// A hanging rod is given a velocity that its hinge does not allow: the hinge takes it away at once.
 #[test]
 fn velocities_that_contradict_a_joint() {
-    let hung = BodyDef { velocity: [0.0, 1.0], ..rod("rod", 1.0, 1.0, [0.0, -0.5], -1.570_796_326_794_896_6) };
+    let hung = BodyDef {
+        velocity: [0.0, 1.0],
+        ..rod("rod", 1.0, 1.0, [0.0, -0.5], -1.570_796_326_794_896_6)
+    };
     let joints = vec![hinge("pin", WORLD, "rod", [0.0, 0.0])];
     let def = SceneDef { bodies: vec![hung], joints, ..SceneDef::default() };
     for solver in backends() {

@@ -8,8 +8,8 @@ use tangency::{LcpSolver, Param, Rollout, Scene, SceneDef, State};
 use tangency_bench::finite_difference::derivative;
 use tangency_bench::retelling::params;
 use tangency_bench::scenes::{
-    conveyor, double_pendulum, groove, incline_block, ladder, motor_arm, pendulum, piston, sliding_disc,
-    slider_crank, soft_bridge, spring_cart,
+    conveyor, double_pendulum, groove, incline_block, ladder, motor_arm, pendulum, piston,
+    slider_crank, sliding_disc, soft_bridge, spring_cart,
 };
 
 use super::accurate;
@@ -41,7 +41,12 @@ fn backward(scene: &Scene, rollout: &Rollout, seed: &StateVector) -> RolloutVect
     gradient(scene, rollout, seed).expect("a gradient").by
 }
 
-fn forward(scene: &Scene, rollout: &Rollout, direction: &[(Param, f64)], seed: &StateVector) -> f64 {
+fn forward(
+    scene: &Scene,
+    rollout: &Rollout,
+    direction: &[(Param, f64)],
+    seed: &StateVector,
+) -> f64 {
     let mut along = RolloutVector::zeros(scene, rollout.records.len());
     direction.iter().for_each(|(param, rate)| along.add(scene, *param, *rate));
     let changes = tangent(scene, rollout, &along).expect("a tangent");
@@ -67,7 +72,7 @@ fn machines_have_the_derivatives_of_their_rollout() {
         (double_pendulum([0.5, 0.3]), 0.01, 30),
         (slider_crank(0.5, 10.0), 0.005, 30),
         (spring_cart(), 0.01, 50),
-        (soft_bridge(3), 0.01, 15),
+        (soft_bridge(4), 0.01, 20),
         (motor_arm(), 0.01, 50),
         (piston(), 0.01, 30),
     ];
@@ -84,15 +89,24 @@ fn machines_have_the_derivatives_of_their_rollout() {
 }
 
 #[track_caller]
-fn compare(scene: &Scene, solver: &dyn LcpSolver, rollout: &Rollout, param: Param, seed: &StateVector) {
+fn compare(
+    scene: &Scene,
+    solver: &dyn LcpSolver,
+    rollout: &Rollout,
+    param: Param,
+    seed: &StateVector,
+) {
     let found = slope(scene, rollout, &[(param, 1.0)], seed);
     let value = scene.get(param).expect("a number of the scene");
-    let mut changed = scene.clone();
+    let (mut changed, step) = (scene.clone(), 1e-5 * value.abs().max(1.0));
+    if changed.set(param, value - step).is_err() || changed.set(param, value + step).is_err() {
+        return; // at the end of what it may be: no difference on both sides
+    }
     let mut at = |x: f64| {
         changed.set(param, x).expect("a value near its own");
         seen(seed, &run(&changed, solver, rollout.records.len()))
     };
-    let difference = derivative(&mut at, value, 1e-5 * value.abs().max(1.0));
+    let difference = derivative(&mut at, value, step);
     let (name, scale) = (&scene.def().name, found.abs().max(1.0));
     near(&format!("{name}, {param:?}"), found, difference.value, 1e-6 * scale);
 }
@@ -116,10 +130,16 @@ fn a_pendulum() {
         let scene = built(&accurate(pendulum(2.5), 1e-3));
         let rollout = run(&scene, &*solver, 2000);
         let seed = seed_of(&scene, 0, 2);
-        near("by the angle", slope(&scene, &rollout, &start, &seed), -8.067_354_362_055_703_3, 1e-8);
+        near(
+            "by the angle",
+            slope(&scene, &rollout, &start, &seed),
+            -8.067_354_362_055_703_3,
+            1e-8,
+        );
         let by_g = slope(&scene, &rollout, &[(Param::Gravity(1), -1.0)], &seed);
         near("by gravity", by_g, 0.740_331_907_489_375_18, 1e-8);
-        near("by mass", slope(&scene, &rollout, &[(Param::Mass(0), 1.0)], &seed), 0.0, 1e-9);
+        let heavier = [(Param::Mass(0), 1.0), (Param::Inertia(0), 1.0 / 12.0)];
+        near("by mass", slope(&scene, &rollout, &heavier, &seed), 0.0, 1e-9);
     }
 }
 
@@ -134,7 +154,12 @@ fn through_the_end_of_sliding() {
         let mut seed = StateVector::zeros(2);
         seed.q[1] = [cos, sin, 0.0].into();
         let by_speed = [(Param::Velocity(1, 0), cos), (Param::Velocity(1, 1), sin)];
-        near("block, v0", slope(&scene, &rollout, &by_speed, &seed), 0.276_446_828_418_523_14, 1e-11);
+        near(
+            "block, v0",
+            slope(&scene, &rollout, &by_speed, &seed),
+            0.276_446_828_418_523_14,
+            1e-11,
+        );
         let by_mu = slope(&scene, &rollout, &friction(1), &seed);
         near("block, mu", by_mu, -0.324_633_150_851_300_21, 1e-11);
 

@@ -16,12 +16,12 @@ fn last(def: SceneDef, dt: f64, duration: f64, solver: &dyn LcpSolver) -> State 
     run(&built(&accurate(def, dt)), solver, steps(duration, dt)).last().clone()
 }
 
-/// Halving dt divides the error by 2⁴, within a quarter of a power.
+/// Halving dt divides the error by 2⁴, within a seventh of a power.
 #[track_caller]
 fn fourth_order(what: &str, error: impl Fn(f64) -> f64) {
-    let errors = [16e-3, 8e-3, 4e-3].map(error);
+    let errors = [8e-3, 4e-3, 2e-3].map(error);
     for pair in errors.windows(2) {
-        near(&format!("{what}, order"), (pair[0] / pair[1]).abs().log2(), 4.0, 0.25);
+        near(&format!("{what}, order"), (pair[0] / pair[1]).abs().log2(), 4.0, 0.15);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Contacts that just touch, deflect by little or much, or just stop.
 
 use tangency_bench::scenes::{grazing_disc, oblique_collision, unit_slider};
-use tangency_core::{Param, SceneDef};
+use tangency_core::Param;
 
 use crate::lab::recommended;
 use crate::{Case, Lab, Part, Stop};
