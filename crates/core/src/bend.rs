@@ -250,17 +250,14 @@ fn friction(offset: &Offset, n: Vector2<f64>, turns: Turns) -> Bend {
     bars.rho[own] -= lever_bar * t;
     bars.r1 += closing_bar * n;
     bars.u += omega[other] * (v[0] - v[1]) + lever_bar * perp(&rho[own]) + closing_bar * r1;
-    match turns {
-        Turns::With(side) => {
-            bars.omega[side] += turn_bar + closing_bar * t.dot(r);
-            bars.r += closing_bar * omega[side] * t;
-            bars.u -= closing_bar * omega[side] * perp(r);
-        }
-        _ => {
-            bars.r1 += turn_bar / length * t;
-            bars.u -= turn_bar / length * perp(r1);
-            bars.r -= n * (turn_bar * turn / length);
-        }
+    if let Turns::With(side) = turns {
+        bars.omega[side] += turn_bar + closing_bar * t.dot(r);
+        bars.r += closing_bar * omega[side] * t;
+        bars.u -= closing_bar * omega[side] * perp(r);
+    } else {
+        bars.r1 += turn_bar / length * t;
+        bars.u -= turn_bar / length * perp(r1);
+        bars.r -= n * (turn_bar * turn / length);
     }
     offset.pull(value, bars, turns, &n)
 }

@@ -113,5 +113,6 @@ fn apart(problem: &Lcp, one: &LcpSolution, other: &LcpSolution) -> f64 {
             worst = worst.max(metric.momentum(m * change, *m).abs());
         }
     }
-    if metric.scale > 0.0 { worst / metric.scale } else { 0.0 }
+    let scale = drive(problem, &metric);
+    if scale > 0.0 { worst / scale } else { 0.0 }
 }

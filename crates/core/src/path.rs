@@ -174,7 +174,7 @@ impl Path<'_> {
         let speeds: f64 = sides.map(|(body, j)| j.abs().dot(&state.v[*body].abs())).sum();
         let [a, b] = bodies.map(|body| self.scene.size(body));
         let gains = bodies.iter().zip(&row.jacobian).map(|(body, j)| {
-            let rate = self.rates.get(*body).map_or(0.0, |rate| rate.norm());
+            let rate = self.rates.get(*body).map_or(0.0, Vector3::norm);
             j.amax() * rate * self.scene.dt
         });
         let (touches, noise) = (gap <= SLOP * a.min(b), NOISE * (speeds + gains.sum::<f64>()));

@@ -270,7 +270,9 @@ impl StepRecord {
         let post = self.post.iter().flat_map(|post| &post.islands);
         let slopes = self.smooth.iter().flat_map(|smooth| &smooth.slopes);
         let slopes = slopes.flat_map(|slope| &slope.islands);
-        for island in self.islands.iter().chain(post).chain(slopes) {
+        let meeting = self.smooth.iter().flat_map(|smooth| &smooth.meeting);
+        let meeting = meeting.flat_map(|meeting| &meeting.record.islands);
+        for island in self.islands.iter().chain(post).chain(slopes).chain(meeting) {
             match island.stage {
                 Stage::Velocity | Stage::Post => {}
                 Stage::Plastic => counts.plastic_islands += 1,

@@ -36,6 +36,7 @@ impl Run {
 
     /// Everything that the run consists of, in the order of time: steps, or the parts of those that events
     /// divide.
+    #[must_use]
     pub fn parts(&self) -> impl DoubleEndedIterator<Item = &StepRecord> {
         self.tape.records.iter().flat_map(|record| record.parts.iter().chain([record]))
     }
