@@ -10,6 +10,7 @@
 
 mod engine;
 
+mod accurate;
 mod backends;
 mod conformance;
 mod conservation;

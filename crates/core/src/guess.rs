@@ -52,7 +52,7 @@ impl Places {
             list.clear();
             list.resize(len, (NONE, NONE));
         }
-        for (island, record) in (0_u32..).zip(&before.islands) {
+        for (island, record) in (0_u32..).zip(before.problems()) {
             for (row, source) in (0_u32..).zip(&record.sources) {
                 match source {
                     RowSource::Normal { contact } => {
@@ -84,7 +84,7 @@ impl Places {
         guess.modes.clear();
         guess.impulses.clear();
         let unchanged =
-            before.islands.get(index).filter(|old| self.same && old.sources == island.sources);
+            before.problems().get(index).filter(|old| self.same && old.sources == island.sources);
         if let Some(old) = unchanged {
             guess.modes.extend_from_slice(&old.solution.modes);
             guess.impulses.extend_from_slice(&old.solution.impulses);
@@ -104,7 +104,7 @@ impl Places {
 
     fn known(&self, before: &StepRecord, island: &Island, row: usize) -> Option<(Mode, f64)> {
         let at = |place: Place| {
-            let record = before.islands.get(place.0 as usize)?;
+            let record = before.problems().get(place.0 as usize)?;
             let (row, solution) = (place.1 as usize, &record.solution);
             Some((
                 *record.sources.get(row)?,

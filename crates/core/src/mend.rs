@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 use tangency_collision::{Contact, Pose};
-use tangency_lcp::LcpSolver;
+use tangency_lcp::{LcpSolver, Mode};
 
 use crate::island::{Island, assemble};
 use crate::motion::Motion;
@@ -28,7 +28,7 @@ pub(crate) fn mend_positions(
     let loose = loose_bodies(record, scratch);
     let Stabilisation { joints, contacts } = scene.stabilisation();
     let mends_contacts = contacts == Correction::Post && !record.contacts.is_empty();
-    let mends = joints == Correction::Post || mends_contacts || record.motion == Motion::Flow;
+    let mends = joints == Correction::Post || mends_contacts || record.motion.flows();
     if loose.is_empty() && !mends {
         scratch.flags.give(loose);
         return Ok(());
@@ -74,16 +74,19 @@ fn evaluate(record: &StepRecord, loose: Vec<bool>, scratch: &mut StepScratch) ->
 }
 
 /// Which contacts pressed in a flow; empty for other motions.
-fn pressed(record: &StepRecord, scratch: &mut StepScratch) -> Vec<bool> {
-    if record.motion != Motion::Flow || record.contacts.is_empty() {
+pub(crate) fn pressed(record: &StepRecord, scratch: &mut StepScratch) -> Vec<bool> {
+    if !record.motion.flows() || record.contacts.is_empty() {
         return Vec::new();
     }
     let mut pressed = scratch.flags.take();
     pressed.resize(record.contacts.len(), false);
-    for island in &record.islands {
-        for (source, impulse) in island.sources.iter().zip(&island.solution.impulses) {
+    for island in record.problems() {
+        for (row, source) in island.sources.iter().enumerate() {
             if let RowSource::Normal { contact } = source {
-                pressed[*contact as usize] = *impulse > 0.0;
+                pressed[*contact as usize] = match record.motion {
+                    Motion::Smooth => island.solution.modes[row] == Mode::Active,
+                    _ => island.solution.impulses[row] > 0.0,
+                };
             }
         }
     }
@@ -188,7 +191,7 @@ fn was_open(context: &RowContext<'_>, before: &[Pose], source: RowSource, speed:
 }
 
 /// The same features at other poses.
-fn evaluate_at(
+pub(crate) fn evaluate_at(
     contacts: &[Contact],
     q: &[Vector3<f64>],
     scratch: &mut StepScratch,

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 ///  Fixed     rows at q            q⁺ = q + h v⁺
 ///  Flow      rows at q + ½ h v⁻   q⁺ = q + ½ h (v⁻ + v⁺)
 ///  Impact    rows at q            q⁺ = q,  h = 0
+///  Smooth    rows at the states of Runge and Kutta's method, for accelerations
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -19,12 +20,26 @@ pub enum Motion {
     Flow,
     /// A jump of the velocities.
     Impact,
+    /// Motion between events, of order 4. Rows of its problems ask for accelerations.
+    Smooth,
+    /// Velocities brought back to what a smooth flow holds, by impulses of least size.
+    Projection,
 }
 
 impl Motion {
-    /// Whether forces that are finite have time to act.
+    /// Whether contacts that pressed stay closed, and positions are mended whatever the scene says.
     #[must_use]
-    pub fn lasts(self, dt: f64) -> bool {
-        self == Self::Fixed || dt > 0.0
+    pub fn flows(self) -> bool {
+        matches!(self, Self::Flow | Self::Smooth)
+    }
+
+    /// Whether springs and dampers are rows; in a smooth flow they are forces.
+    #[must_use]
+    pub fn has_springs(self, dt: f64) -> bool {
+        match self {
+            Self::Fixed => true,
+            Self::Flow => dt > 0.0,
+            Self::Impact | Self::Smooth | Self::Projection => false,
+        }
     }
 }

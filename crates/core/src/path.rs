@@ -1,16 +1,20 @@
 //! Where a flow first closes a gap.
 //!
-//! Bodies move along `q(s) = q + s v⁻ + s² (v⁺ − v⁻)/2 h`. A gap g of features that stay the same obeys
+//! Bodies move along `q(s) = q + s v⁻ + s² (v⁺ − v⁻)/2 h`, in smooth flows along the cubic with the poses and
+//! velocities of both ends. A gap g of features that stay the same obeys
 //! `g(s + δ) ≥ g + ġ δ − ½ G δ²` with a bound G of its second derivative, and cannot close before that is
 //! zero: time advances by the least such δ of all contacts, found again at every stop, until one closes.
 
 use nalgebra::Vector3;
 use tangency_collision::{Contact, ContactFeature, Feature};
 
+use crate::mend::pressed;
+use crate::motion::Motion;
 use crate::record::StepRecord;
 use crate::row::{RowContext, RowSource};
 use crate::scene::Scene;
 use crate::scratch::StepScratch;
+use crate::smooth::Slope;
 use crate::touch::{Survey, limits};
 use crate::{State, StepError};
 
@@ -61,6 +65,22 @@ pub(crate) struct Path<'a> {
     pub(crate) from: &'a State,
     /// The flow.
     pub(crate) flow: &'a StepRecord,
+    /// Which of its contacts cannot open.
+    held: Vec<bool>,
+    /// Of a smooth flow how fast bodies accelerate, at least about.
+    rates: Vec<Vector3<f64>>,
+}
+
+impl<'a> Path<'a> {
+    pub(crate) fn new(scene: &'a Scene, from: &'a State, flow: &'a StepRecord) -> Self {
+        let held = match flow.motion {
+            Motion::Smooth => pressed(flow, &mut StepScratch::default()),
+            _ => vec![true; flow.contacts.len()],
+        };
+        let smooth = flow.smooth.as_ref();
+        let rates = smooth.map_or_else(Vec::new, |smooth| smooth.slopes[0].rates());
+        Self { scene, from, flow, held, rates }
+    }
 }
 
 impl Path<'_> {
@@ -97,14 +117,34 @@ impl Path<'_> {
     }
 
     /// Poses and velocities after a time s.
-    fn state(&self, s: f64) -> State {
+    pub(crate) fn state(&self, s: f64) -> State {
         let (mut state, part) = (self.from.clone(), s / self.flow.dt);
+        if self.flow.motion == Motion::Smooth {
+            self.bend_to(part, &mut state);
+            return state;
+        }
         for (i, after) in self.flow.after.v.iter().enumerate() {
             let gain = after - self.from.v[i];
             state.q[i] += s * (self.from.v[i] + 0.5 * part * gain);
             state.v[i] += part * gain;
         }
         state
+    }
+
+    /// The cubic of a smooth flow at the part θ of it:
+    ///
+    /// ```text
+    ///  q = q₀ + θ h v₀ + θ² (3 Δ − h (2 v₀ + v₁)) + θ³ (h (v₀ + v₁) − 2 Δ)        Δ = q₁ − q₀
+    /// ```
+    fn bend_to(&self, part: f64, state: &mut State) {
+        let (h, after) = (self.flow.dt, &self.flow.after);
+        for (i, (q, v)) in state.q.iter_mut().zip(&mut state.v).enumerate() {
+            let (way, first, last) = (after.q[i] - *q, *v, after.v[i]);
+            let (square, cube) =
+                (3.0 * way - h * (2.0 * first + last), h * (first + last) - 2.0 * way);
+            *q += part * (h * first + part * (square + part * cube));
+            *v += part * (2.0 * square + 3.0 * part * cube) / h;
+        }
     }
 
     /// A limit that is passed.
@@ -122,7 +162,8 @@ impl Path<'_> {
     fn ahead(&self, state: &State, contact: &Contact) -> Ahead {
         const NEVER: Ahead = Ahead::Free { within: f64::INFINITY };
         let id = contact.feature.id;
-        if self.flow.contacts.iter().any(|resting| resting.feature.id == id) {
+        let mut held = self.flow.contacts.iter().zip(&self.held);
+        if held.any(|(resting, held)| *held && resting.feature.id == id) {
             return NEVER;
         }
         let context = RowContext::of(self.scene, state, &[], self.scene.dt);
@@ -132,7 +173,11 @@ impl Path<'_> {
         let sides = bodies.iter().zip(&row.jacobian);
         let speeds: f64 = sides.map(|(body, j)| j.abs().dot(&state.v[*body].abs())).sum();
         let [a, b] = bodies.map(|body| self.scene.size(body));
-        let (touches, noise) = (gap <= SLOP * a.min(b), NOISE * speeds);
+        let gains = bodies.iter().zip(&row.jacobian).map(|(body, j)| {
+            let rate = self.rates.get(*body).map_or(0.0, Vector3::norm);
+            j.amax() * rate * self.scene.dt
+        });
+        let (touches, noise) = (gap <= SLOP * a.min(b), NOISE * (speeds + gains.sum::<f64>()));
         if touches && rate < -noise {
             return Ahead::Closed { within: gap / -rate };
         }
@@ -151,7 +196,7 @@ impl Path<'_> {
     fn bend(&self, contact: &Contact, state: &State) -> f64 {
         let [a, b] = contact.feature.id.bodies.map(|body| body as usize);
         let [turn_a, turn_b] = [self.turn(a), self.turn(b)];
-        let apart = (self.acceleration(a) - self.acceleration(b)).xy().norm();
+        let apart = self.apart(a, b);
         let spin = |[rate, change]: [f64; 2], arm: f64| (change + rate * rate) * arm;
         let line = |l: usize, x: usize, arm: f64| {
             let ([rate, _], way) =
@@ -175,6 +220,19 @@ impl Path<'_> {
         (self.flow.after.v[body] - self.from.v[body]) / self.flow.dt
     }
 
+    /// How fast two bodies accelerate apart, at most, m/s².
+    fn apart(&self, a: usize, b: usize) -> f64 {
+        let apart = |of: &dyn Fn(usize) -> Vector3<f64>| (of(a) - of(b)).xy().norm();
+        self.most(|slope| apart(&|body| slope.accelerations[body]))
+            .unwrap_or_else(|| apart(&|body| self.acceleration(body)))
+    }
+
+    /// The most of what a smooth flow's slopes show, with room for what lies between them.
+    fn most(&self, of: impl Fn(&Slope) -> f64) -> Option<f64> {
+        let smooth = self.flow.smooth.as_ref()?;
+        Some(2.0 * smooth.slopes.iter().map(of).fold(0.0, f64::max))
+    }
+
     /// Greatest speed of a body, m/s.
     fn speed(&self, body: usize) -> f64 {
         self.from.v[body].xy().norm().max(self.flow.after.v[body].xy().norm())
@@ -183,7 +241,8 @@ impl Path<'_> {
     /// ω and α of a body, at most, rad/s and rad/s².
     fn turn(&self, body: usize) -> [f64; 2] {
         let rate = self.from.v[body].z.abs().max(self.flow.after.v[body].z.abs());
-        [rate, self.acceleration(body).z.abs()]
+        let change = self.most(|slope| slope.accelerations[body].z.abs());
+        [rate, change.unwrap_or_else(|| self.acceleration(body).z.abs())]
     }
 }
 

@@ -9,6 +9,7 @@ use crate::State;
 use crate::motion::Motion;
 use crate::row::{RowContext, RowSource, SlowRow, Stage};
 use crate::scene::Scene;
+use crate::smooth::{Slope, SmoothRecord, WEIGHTS};
 
 /// The cheapest way that an island could be solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,6 +89,13 @@ pub struct StepRecord {
     pub contacts: Vec<Contact>,
     /// Islands; bodies in none moved freely.
     pub islands: Vec<IslandRecord>,
+    /// Of a smooth flow what it solved; its `islands` are empty.
+    #[serde(default)]
+    pub smooth: Option<Box<SmoothRecord>>,
+    /// Whether the rest of the step was one of fixed length, because events went on for longer than the
+    /// scene divides a step for, or no motion obeys all laws.
+    #[serde(default)]
+    pub fell_back: bool,
     /// What mended positions, one displacement after the other; empty where none was needed.
     pub post: Vec<PostRecord>,
     /// The state at the end of the step.
@@ -193,7 +201,12 @@ impl StepRecord {
     #[must_use]
     pub fn residual(&self) -> f64 {
         let post = self.post.iter().flat_map(|post| &post.islands);
-        let own = self.islands.iter().chain(post).map(|i| i.residual).fold(0.0, f64::max);
+        let smooth = self.smooth.iter().flat_map(|smooth| &smooth.slopes);
+        let slopes = smooth.flat_map(|slope| &slope.islands);
+        let all = self.islands.iter().chain(post).chain(slopes);
+        let meeting = self.smooth.as_ref().and_then(|smooth| smooth.meeting.as_ref());
+        let own = all.map(|i| i.residual).fold(0.0, f64::max);
+        let own = meeting.map_or(own, |meeting| meeting.record.residual().max(own));
         self.parts.iter().map(Self::residual).fold(own, f64::max)
     }
 
@@ -202,13 +215,14 @@ impl StepRecord {
     #[must_use]
     pub fn contact_impulses(&self) -> Vec<ContactImpulse> {
         let mut impulses: Vec<ContactImpulse> = Vec::new();
-        for island in &self.islands {
-            for (source, impulse) in island.sources.iter().zip(&island.solution.impulses) {
+        for (number, island) in self.problems().iter().enumerate() {
+            for (row, source) in island.sources.iter().enumerate() {
+                let impulse = self.impulse_of(number, row);
                 match source {
-                    RowSource::Normal { contact } if *impulse != 0.0 => {
+                    RowSource::Normal { contact } if impulse != 0.0 => {
                         let index = *contact as usize;
                         let Contact { point, normal: direction, .. } = self.contacts[index];
-                        let (normal, tangent) = (*impulse, 0.0);
+                        let (normal, tangent) = (impulse, 0.0);
                         let it =
                             ContactImpulse { contact: index, point, direction, normal, tangent };
                         impulses.push(it);
@@ -216,7 +230,7 @@ impl StepRecord {
                     RowSource::Tangent { contact } => {
                         let same = |i: &&mut ContactImpulse| i.contact == *contact as usize;
                         if let Some(it) = impulses.last_mut().filter(same) {
-                            it.tangent = *impulse;
+                            it.tangent = impulse;
                         }
                     }
                     _ => {}
@@ -229,9 +243,9 @@ impl StepRecord {
     /// Impulse (of a divided step in its last part) of the row with this source, N·s or N·m·s, if it was modelled.
     #[must_use]
     pub fn impulse(&self, source: RowSource) -> Option<f64> {
-        self.islands.iter().find_map(|island| {
+        self.problems().iter().enumerate().find_map(|(number, island)| {
             let row = island.sources.iter().position(|s| *s == source)?;
-            Some(island.solution.impulses[row])
+            Some(self.impulse_of(number, row))
         })
     }
 
@@ -239,14 +253,14 @@ impl StepRecord {
     #[must_use]
     pub fn counts(&self, scene: &Scene) -> Counts {
         let dynamic = (0..scene.bodies.len()).filter(|i| scene.is_dynamic(*i)).count();
-        let bound: usize = self.islands.iter().map(|i| i.bodies.len()).sum();
+        let bound: usize = self.problems().iter().map(|i| i.bodies.len()).sum();
         let mut counts = Counts {
             free_bodies: dynamic - bound,
             contacts: self.contacts.len(),
             displacements: self.post.len(),
             ..Counts::default()
         };
-        for island in &self.islands {
+        for island in self.problems() {
             match island.path {
                 Path::Linear => counts.linear_islands += 1,
                 Path::Complementarity => counts.lcp_islands += 1,
@@ -254,7 +268,11 @@ impl StepRecord {
             counts.rows += island.sources.len();
         }
         let post = self.post.iter().flat_map(|post| &post.islands);
-        for island in self.islands.iter().chain(post) {
+        let slopes = self.smooth.iter().flat_map(|smooth| &smooth.slopes);
+        let slopes = slopes.flat_map(|slope| &slope.islands);
+        let meeting = self.smooth.iter().flat_map(|smooth| &smooth.meeting);
+        let meeting = meeting.flat_map(|meeting| &meeting.record.islands);
+        for island in self.islands.iter().chain(post).chain(slopes).chain(meeting) {
             match island.stage {
                 Stage::Velocity | Stage::Post => {}
                 Stage::Plastic => counts.plastic_islands += 1,
@@ -268,10 +286,18 @@ impl StepRecord {
         counts
     }
 
-    /// Whether impacts went on for longer than the scene divides a step for: the rest of the step was
-    /// one of fixed length.
+    /// Whether events went on for longer than the scene divides a step for, or no motion obeys all laws:
+    /// the rest of the step was one of fixed length.
     #[must_use]
     pub fn fell_back(&self) -> bool {
-        self.motion == Motion::Fixed && !self.parts.is_empty()
+        self.fell_back
+    }
+
+    /// Impulse of row `row` of problem `island`, N·s or N·m·s; of a smooth flow the integral of its force.
+    fn impulse_of(&self, island: usize, row: usize) -> f64 {
+        let Some(smooth) = &self.smooth else { return self.islands[island].solution.impulses[row] };
+        let force = |slope: &Slope| slope.islands[island].solution.impulses[row];
+        let parts = smooth.slopes.iter().zip(WEIGHTS);
+        self.dt * parts.map(|(slope, weight)| weight * force(slope)).sum::<f64>()
     }
 }

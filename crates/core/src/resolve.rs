@@ -4,22 +4,25 @@
 //!  flow τ₁ ── impact ── flow τ₂ ── impact ── … ── flow dt − Σ τ
 //! ```
 //!
-//! Each flow ends where the first gap is zero, to rounding; then the same problem without forces and
-//! duration gives the velocities after the impact. Where velocities contradict a joint, or a resting
+//! Each flow ends where the first gap is zero, to rounding (smooth flows also where forces jump or change
+//! their law, see [`crate::event`]); then the same problem without forces and duration gives the velocities
+//! after an impact. Where velocities contradict a joint, or a resting
 //! contact, they first meet what it asks for, by an impact that has no time of its own.
 
 use tangency_collision::Contact;
 use tangency_lcp::LcpSolver;
 
+use crate::event::{Event, ended};
 use crate::island::assemble;
 use crate::mend::mend_positions;
 use crate::momentum::momentum_into;
 use crate::motion::Motion;
-use crate::path::{Gap, Hit, Path};
+use crate::path::{Gap, Hit};
 use crate::record::StepRecord;
 use crate::row::{RowContext, RowSource};
 use crate::scene::Scene;
 use crate::scratch::StepScratch;
+use crate::smooth::End;
 use crate::solve::solve;
 use crate::step::{fixed, integrate};
 use crate::touch::{Survey, Touch};
@@ -31,12 +34,28 @@ const MAX_NEWTON: usize = 16;
 /// Part of a step by which times differ that are the same.
 const SAME: f64 = 1e-16;
 
+/// Part of a step that is too short for positions to ask for velocities.
+const INSTANT: f64 = 1e-9;
+
 /// A step that is to be divided.
 pub(crate) struct Division<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) solver: &'a dyn LcpSolver,
     pub(crate) control: &'a [f64],
-    pub(crate) max_impacts: u32,
+    /// Impacts, or events, that may divide it.
+    pub(crate) most: u32,
+    /// Whether its flows are smooth.
+    pub(crate) smooth: bool,
+}
+
+/// How a step goes on.
+enum Next {
+    /// To its end.
+    Whole(StepRecord),
+    /// Until something happens; of gaps that close an impact follows.
+    Until(StepRecord, Option<Event>),
+    /// By a fixed step, because it was divided too often or no motion obeys all laws.
+    Fixed,
 }
 
 /// What a part of the step models.
@@ -60,57 +79,120 @@ impl Division<'_> {
         scratch: &mut StepScratch,
     ) -> Result<StepRecord, StepError> {
         let (mut parts, mut left, mut now) = (Vec::new(), self.scene.dt, state.clone());
-        let (mut hit, mut jolted, mut impacts) = (None, false, 0);
+        let (mut hit, mut jolted, mut events) = (None, false, 0);
+        if self.smooth && before.is_none() && self.scene.joints.iter().any(|j| j.softness.is_none())
+        {
+            let joined = self.join(&now, scratch)?;
+            now.clone_from(&joined.after);
+            parts.push(joined);
+        }
         let mut last = loop {
-            let mut survey = Survey::new(self.scene, &now, self.control, scratch)?;
+            let mut survey = Survey::new(self.scene, &now, self.control, self.smooth, scratch)?;
             if jolted {
                 survey.settle();
             } else if hit.is_some() || survey.jolts() {
                 if hit.is_none() && survey.closes() {
-                    parts.push(self.flow(&now, &survey, 0.0, None, scratch)?);
+                    let Some(still) = self.met(self.flow(&now, &survey, 0.0, None, scratch))?
+                    else {
+                        break self.rest(&now, left, scratch)?;
+                    };
+                    parts.push(still);
                 }
                 let impact = self.impact(&now, &mut survey, hit.take(), scratch)?;
-                impacts += u32::from(impact.hit.is_some());
+                events += u32::from(impact.hit.is_some());
                 now.clone_from(&impact.after);
                 parts.push(impact);
                 jolted = true;
                 continue;
             }
             jolted = false;
-            let before = if parts.is_empty() { before } else { None };
-            let flow = self.flow(&now, &survey, left, before, scratch)?;
-            let Some(first) = self.first_hit(&now, &flow, &survey, scratch)? else { break flow };
-            if impacts >= self.max_impacts {
-                break fixed(self.scene, self.solver, &now, None, self.control, left, scratch)?;
+            let before = if parts.is_empty() { before } else { self.last_flow(&parts) };
+            match self.next(&now, &survey, left, events < self.most, before, scratch)? {
+                Next::Whole(flow) => break flow,
+                Next::Fixed => break self.rest(&now, left, scratch)?,
+                Next::Until(part, event) => {
+                    match event {
+                        Some(Event::Hit(first)) => hit = Some(first.gap),
+                        Some(_) => events += 1,
+                        None => {}
+                    }
+                    left = (left - part.dt).max(0.0);
+                    now.clone_from(&part.after);
+                    parts.push(part);
+                }
             }
-            let Some(to_hit) = self.locate(&now, &survey, first, left, scratch)? else {
-                break flow;
-            };
-            scratch.recycle(flow);
-            hit = Some(first.gap);
-            left = (left - to_hit.dt).max(0.0);
-            now.clone_from(&to_hit.after);
-            parts.push(to_hit);
         };
         last.parts = parts;
         Ok(last)
     }
 
-    fn first_hit(
+    /// The last smooth flow of a step's parts.
+    fn last_flow<'a>(&self, parts: &'a [StepRecord]) -> Option<&'a StepRecord> {
+        parts.iter().rfind(|part| self.smooth && part.motion == Motion::Smooth)
+    }
+
+    /// The rest of a step as one of fixed length; nothing where that is rounding.
+    fn rest(
         &self,
         now: &State,
-        flow: &StepRecord,
-        survey: &Survey,
+        left: f64,
         scratch: &mut StepScratch,
-    ) -> Result<Option<Hit>, StepError> {
-        if flow.dt == 0.0 {
-            return Ok(None);
+    ) -> Result<StepRecord, StepError> {
+        let (scene, solver) = (self.scene, self.solver);
+        if left <= INSTANT * scene.dt {
+            return Ok(StepRecord { fell_back: true, ..self.join(now, scratch)? });
         }
-        Path { scene: self.scene, from: now, flow }.first_hit(survey, scratch)
+        let mut record = fixed(scene, solver, now, None, self.control, left, scratch)?;
+        record.fell_back = true;
+        Ok(record)
+    }
+
+    /// The next flow, to its first event or to the end of what is `left`; `divides` tells whether the step
+    /// may be divided.
+    fn next(
+        &self,
+        now: &State,
+        survey: &Survey,
+        left: f64,
+        divides: bool,
+        before: Option<&StepRecord>,
+        scratch: &mut StepScratch,
+    ) -> Result<Next, StepError> {
+        let length = if self.smooth { self.until_clock(now, left) } else { left };
+        let Some(flow) = self.met(self.flow(now, survey, length, before, scratch))? else {
+            return Ok(Next::Fixed);
+        };
+        let Some(event) = self.met(self.first_event(now, &flow, survey, scratch))? else {
+            return Ok(Next::Fixed);
+        };
+        let Some(event) = event else { return Ok(Self::whole(flow, length < left)) };
+        if !divides {
+            return Ok(Next::Fixed);
+        }
+        let Some(found) = self.met(self.until(now, survey, event, length, scratch))? else {
+            return Ok(Next::Fixed);
+        };
+        let Some((part, event)) = found else { return Ok(Self::whole(flow, length < left)) };
+        scratch.recycle(flow);
+        Ok(Next::Until(part, Some(event)))
+    }
+
+    /// What a flow came to; `None` where no smooth motion obeys all laws.
+    fn met<T>(&self, answer: Result<T, StepError>) -> Result<Option<T>, StepError> {
+        match answer {
+            Ok(found) => Ok(Some(found)),
+            Err(StepError::Lcp { .. }) if self.smooth => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// A flow without events, which is the last of its step unless a force begins or ends there.
+    fn whole(flow: StepRecord, cut: bool) -> Next {
+        if cut { Next::Until(ended(flow, End::Clock), None) } else { Next::Whole(flow) }
     }
 
     /// The flow that ends where a gap is zero, by Newton's method; `None` if that is not within `left`.
-    fn locate(
+    pub(crate) fn locate(
         &self,
         now: &State,
         survey: &Survey,
@@ -138,7 +220,7 @@ impl Division<'_> {
     }
 
     /// A flow of length `dt` in which what rests stays closed.
-    fn flow(
+    pub(crate) fn flow(
         &self,
         now: &State,
         survey: &Survey,
@@ -146,11 +228,23 @@ impl Division<'_> {
         before: Option<&StepRecord>,
         scratch: &mut StepScratch,
     ) -> Result<StepRecord, StepError> {
+        if self.smooth {
+            return self.smooth(now, survey, dt, before, scratch);
+        }
         let mut contacts = scratch.contacts.take();
         contacts
             .extend(survey.with(|_, touch| touch == Touch::Resting).map(|(contact, _)| *contact));
         let (motion, reached) = (Motion::Flow, survey.reached.as_slice());
         let plan = Plan { motion, dt, contacts, bounces: Vec::new(), reached, hit: None, before };
+        self.part(now, plan, scratch)
+    }
+
+    /// An impact of the rigid joints alone, where nobody knows that velocities obey them. It changes none
+    /// that do, but it tells how those depend on a state that may change in any direction.
+    fn join(&self, now: &State, scratch: &mut StepScratch) -> Result<StepRecord, StepError> {
+        let (motion, contacts, bounces) = (Motion::Impact, Vec::new(), Vec::new());
+        let reached = &[];
+        let plan = Plan { motion, dt: 0.0, contacts, bounces, reached, hit: None, before: None };
         self.part(now, plan, scratch)
     }
 
@@ -217,6 +311,8 @@ impl Division<'_> {
             bounces,
             contacts,
             islands,
+            smooth: None,
+            fell_back: false,
             post,
             after,
         };

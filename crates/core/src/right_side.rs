@@ -13,7 +13,13 @@ use crate::{ContactModel, Correction};
 const DRIFT: f64 = 0.1;
 
 impl RowContext<'_> {
-    /// Right-hand side of a row, before the velocities of kinematic bodies are taken off.
+    /// Whether rows ask for accelerations: their right-hand side is then −γ ([`bend`](Self::bend)).
+    #[must_use]
+    pub fn bends(&self) -> bool {
+        self.motion == Motion::Smooth && self.stage.is_velocity()
+    }
+
+    /// Right-hand side of a row for velocities, before those of kinematic bodies are taken off.
     /// `speed` is J v⁻.
     #[must_use]
     pub fn rhs(&self, source: RowSource, value: f64, speed: f64) -> Rhs {
@@ -72,7 +78,7 @@ impl RowContext<'_> {
         match self.motion {
             Motion::Fixed => rhs::rigid(self.scene.def.stabilisation.joints, value, dt),
             Motion::Flow => rhs::midway(speed),
-            Motion::Impact => Rhs::default(),
+            Motion::Impact | Motion::Projection | Motion::Smooth => Rhs::default(),
         }
     }
 
@@ -137,7 +143,7 @@ impl RowContext<'_> {
 
     fn mends(&self, correction: Correction, bodies: [Option<usize>; 2]) -> bool {
         match correction {
-            _ if self.motion == Motion::Flow => true,
+            _ if self.motion.flows() => true,
             Correction::None => false,
             Correction::Post => true,
             Correction::Baumgarte { .. } => {

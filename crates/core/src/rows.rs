@@ -30,7 +30,7 @@ impl Rows {
         let held: usize = context.scene.joints.iter().map(|joint| joint.held.len()).sum();
         self.sources.reserve_exact(held + 2 * context.contacts.len());
         self.list.reserve_exact(held + 2 * context.contacts.len());
-        let soft = context.stage.is_velocity() && context.motion.lasts(context.dt);
+        let soft = context.stage.is_velocity() && context.motion.has_springs(context.dt);
         for (index, joint) in (0_u32..).zip(&context.scene.joints) {
             if joint.softness.is_some() && !soft {
                 continue;
@@ -48,7 +48,8 @@ impl Rows {
         let joint = &context.scene.joints[index as usize];
         let sides = joint.bodies.map(|body| frames.side(body));
         let arms = Arms::new(sides, [&joint.anchors[0], &joint.anchors[1]]);
-        let driven = joint.driven && context.stage.is_velocity();
+        let smooth = context.bends();
+        let driven = joint.driven && context.stage.is_velocity() && !smooth;
         let [a, b] = joint.unknowns.map(|body| if body == NO_BODY { 0.0 } else { 1.0 });
         let common = context.common_rhs(index);
         let source = |(row, _)| RowSource::Held { joint: index, row: number(row) };
@@ -57,6 +58,9 @@ impl Rows {
             let value = value - held.reference;
             let (mut rhs, compliance) = if let Some(common) = common {
                 (common.d_position * value, common.compliance)
+            } else if smooth {
+                let source = RowSource::Held { joint: index, row: number(row) };
+                (-context.bend(source).value, 0.0)
             } else {
                 let geometry = RowGeometry { bodies: joint.bodies, value, jacobian };
                 let speed = context.speed(&geometry);
@@ -177,6 +181,10 @@ pub(crate) fn set_right_side(
     geometry: &RowGeometry,
     row: &mut Row,
 ) {
+    if context.bends() {
+        (row.rhs, row.compliance) = (-context.bend(source).value, 0.0);
+        return;
+    }
     let rhs = match source {
         RowSource::Tangent { .. } => Rhs::default(),
         RowSource::Normal { .. } => context.rhs(source, geometry.value, context.speed(geometry)),

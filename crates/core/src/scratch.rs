@@ -13,6 +13,7 @@ use crate::progress::Progress;
 use crate::record::{IslandRecord, PostRecord, StepRecord};
 use crate::row::{RowSource, SlowRow};
 use crate::rows::Rows;
+use crate::smooth::{Slope, SmoothRecord};
 use crate::{Rollout, Stage, State};
 
 /// Memory that is reused between steps; it never changes a result.
@@ -52,6 +53,9 @@ impl StepScratch {
             record.parts.into_iter().for_each(|part| self.recycle(part));
             self.vectors.give(record.midway);
             self.flags.give(record.bounces);
+            if let Some(smooth) = record.smooth {
+                self.recycle_smooth(*smooth);
+            }
         }
         self.floats.give(control);
         self.contacts.give(contacts);
@@ -67,6 +71,11 @@ impl StepScratch {
     /// derivative then factors them again, to the same bits.
     pub fn recycle_systems(&mut self, record: &mut StepRecord) {
         record.parts.iter_mut().for_each(|part| self.recycle_systems(part));
+        if let Some(smooth) = &mut record.smooth {
+            let slopes = smooth.slopes.iter_mut().flat_map(|slope| &mut slope.islands);
+            slopes.for_each(|island| self.lcp.recycle_system(&mut island.solution));
+            smooth.meeting.iter_mut().for_each(|it| self.recycle_systems(&mut it.record));
+        }
         let post = record.post.iter_mut().flat_map(|post| &mut post.islands);
         for island in record.islands.iter_mut().chain(post) {
             self.lcp.recycle_system(&mut island.solution);
@@ -81,6 +90,21 @@ impl StepScratch {
     fn recycle_posts(&mut self, mut posts: Vec<PostRecord>) {
         posts.drain(..).for_each(|post| self.recycle_post(post));
         self.posts.give(posts);
+    }
+
+    fn recycle_smooth(&mut self, smooth: SmoothRecord) {
+        for Slope { at, contacts, islands, accelerations } in smooth.slopes {
+            self.vectors.give(at.q);
+            self.vectors.give(at.v);
+            self.contacts.give(contacts);
+            self.recycle_islands(islands);
+            self.vectors.give(accelerations);
+        }
+        if let Some(meeting) = smooth.meeting {
+            self.vectors.give(meeting.before.q);
+            self.vectors.give(meeting.before.v);
+            self.recycle(meeting.record);
+        }
     }
 
     /// Takes the memory of a displacement.

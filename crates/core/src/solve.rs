@@ -47,7 +47,7 @@ pub(crate) fn solve(
 
 /// Whether there is a guess of an island's modes, which is then in `to`: from the step before, or of
 /// displacements from what they are to mend.
-fn guess(
+pub(crate) fn guess(
     context: &RowContext<'_>,
     before: Option<&StepRecord>,
     index: usize,
@@ -64,7 +64,12 @@ fn guess(
     true
 }
 
-fn refusal(context: &RowContext<'_>, time: f64, bodies: &[u32], source: LcpError) -> StepError {
+pub(crate) fn refusal(
+    context: &RowContext<'_>,
+    time: f64,
+    bodies: &[u32],
+    source: LcpError,
+) -> StepError {
     let names = bodies.iter().map(|b| context.scene.bodies[*b as usize].name.as_str());
     StepError::Lcp { time, bodies: names.collect::<Vec<_>>().join(", "), source }
 }
@@ -176,7 +181,7 @@ fn giving_way(context: &RowContext<'_>, island: &Island) -> Option<Island> {
     None
 }
 
-fn record(island: Island, solution: LcpSolution, residual: f64) -> IslandRecord {
+pub(crate) fn record(island: Island, solution: LcpSolution, residual: f64) -> IslandRecord {
     let Island { bodies, sources, problem, stage } = island;
     let path = Path::of(&problem);
     IslandRecord { bodies, sources, problem, solution, path, stage, residual }

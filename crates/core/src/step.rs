@@ -67,8 +67,12 @@ fn advance(
     check_input(scene, state, control)?;
     match scene.def.stepping {
         Stepping::Fixed => fixed(scene, solver, state, before, control, scene.dt, scratch),
-        Stepping::ImpactResolved { max_impacts } => {
-            let division = Division { scene, solver, control, max_impacts };
+        Stepping::ImpactResolved { max_impacts: most } => {
+            let division = Division { scene, solver, control, most, smooth: false };
+            division.step(state, before, scratch)
+        }
+        Stepping::Accurate { max_events: most } => {
+            let division = Division { scene, solver, control, most, smooth: true };
             division.step(state, before, scratch)
         }
     }
@@ -103,6 +107,8 @@ pub(crate) fn fixed(
         bounces: Vec::new(),
         contacts,
         islands,
+        smooth: None,
+        fell_back: false,
         post: Vec::new(),
         after,
     };
@@ -168,7 +174,7 @@ pub(crate) fn integrate(
         Motion::Flow => {
             moved.zip(&state.v).for_each(|((q, after), before)| *q += 0.5 * dt * (before + after));
         }
-        Motion::Impact => {}
+        Motion::Impact | Motion::Smooth | Motion::Projection => {}
     }
     after
 }

@@ -9,7 +9,7 @@
 //!  u above that        it leaves, and may come back within the step
 //! ```
 //!
-//! A ball that leaves at u takes 2 u/(a (1 − e)) for all the bounces that are left: what would come to
+//! (of smooth flows nothing rests that has a speed: u = 0, or it leaves.) A ball that leaves at u takes 2 u/(a (1 − e)) for all the bounces that are left: what would come to
 //! rest within the length of a step rests at once, so that none of infinitely many impacts is missed.
 
 use nalgebra::Vector3;
@@ -23,7 +23,7 @@ use crate::scratch::StepScratch;
 use crate::{JointRow, State, StepError};
 
 /// Speeds below this part of those that add up to them are rounding.
-const NOISE: f64 = 1e-10;
+pub(crate) const NOISE: f64 = 1e-10;
 
 /// What is closing is located to this part of what counts as rounding of gaps.
 const LOCATED: f64 = 1e-4;
@@ -67,6 +67,7 @@ impl Survey {
         scene: &Scene,
         state: &State,
         control: &[f64],
+        smooth: bool,
         scratch: &mut StepScratch,
     ) -> Result<Self, StepError> {
         scratch.frames.place(&state.q);
@@ -79,7 +80,8 @@ impl Survey {
             *gain = gain.component_div(&scene.bodies[i].mass) - state.v[i];
         }
         let context = RowContext { contacts: &contacts, ..context };
-        let look = Look { context, gains: &gains };
+        let driven = if smooth { driven(&context) } else { Vec::new() };
+        let look = Look { context, gains: &gains, smooth, driven: &driven };
         let (touches, bounces) =
             (0..contacts.len()).map(|index| look.contact(number(index))).unzip();
         let (reached, closing) = look.limits();
@@ -164,6 +166,10 @@ struct Look<'a> {
     context: RowContext<'a>,
     /// What free bodies gain within a step, m/s and rad/s.
     gains: &'a [Vector3<f64>],
+    /// Whether what follows is a smooth flow.
+    smooth: bool,
+    /// What motors at their maximum give bodies within a step, m/s and rad/s; empty where it is not asked.
+    driven: &'a [Vector3<f64>],
 }
 
 impl Look<'_> {
@@ -176,11 +182,12 @@ impl Look<'_> {
         let (u, e) = (self.context.speed(&row), self.context.scene.pair_restitution(a, b).value);
         let (noise, rest) = (self.noise(&row), 0.5 * (1.0 - e) * self.pull(&row));
         let bounces = -e * u > rest.max(noise);
+        let stays = if self.smooth { noise } else { rest.max(noise) };
         let touch = if gap > slop || (u < -noise && gap > LOCATED * slop) {
             Touch::Apart
         } else if u < -noise {
             Touch::Closing { bounces }
-        } else if u <= rest.max(noise) {
+        } else if u <= stays {
             Touch::Resting
         } else {
             Touch::Leaving
@@ -198,12 +205,8 @@ impl Look<'_> {
 
     /// What of a row's speed may be rounding.
     fn noise(&self, row: &RowGeometry) -> f64 {
-        let side = |k: usize| {
-            row.bodies[k].map_or(0.0, |b| {
-                row.jacobian[k].abs().dot(&(self.context.v[b].abs() + self.gains[b].abs()))
-            })
-        };
-        NOISE * (side(0) + side(1))
+        let driven = |body: usize| self.driven.get(body).copied().unwrap_or_default();
+        noise(&self.context, row, |body| self.gains[body].abs() + driven(body))
     }
 
     /// Limits that are reached, and which of them are run into.
@@ -212,8 +215,10 @@ impl Look<'_> {
         for source in limits(self.context.scene) {
             let row = self.context.geometry(source);
             let slop = self.context.slop(source);
-            let closes = self.context.speed(&row) < -self.noise(&row);
-            if row.value <= if closes { LOCATED * slop } else { slop } {
+            let (speed, noise) = (self.context.speed(&row), self.noise(&row));
+            let closes = speed < -noise;
+            let leaves = self.smooth && speed > noise;
+            if !leaves && row.value <= if closes { LOCATED * slop } else { slop } {
                 reached.push(source);
                 closing.extend(closes.then_some(source));
             }
@@ -228,8 +233,50 @@ impl Look<'_> {
         };
         let joints = (0_u32..).zip(&self.context.scene.joints);
         let mut rigid = joints.filter(|(_, joint)| joint.softness.is_none());
-        rigid.any(|(index, joint)| joint.held.iter().any(|row| off(index, row)))
+        rigid.any(|(index, joint)| {
+            joint.held.iter().any(|row| off(index, row))
+                || (self.smooth && self.is_driven_off(index))
+        })
     }
+
+    /// Whether a motor without a maximum is not at its speed.
+    fn is_driven_off(&self, joint: u32) -> bool {
+        let motor = self.context.joint(joint).motor;
+        motor.is_some_and(|motor| motor.max.is_none()) && {
+            let row = self.context.geometry(RowSource::Motor { joint });
+            let (speed, target) = (self.context.speed(&row), self.context.motor_speed(joint));
+            (speed - target).abs() > self.noise(&row) + NOISE * target.abs()
+        }
+    }
+}
+
+/// What of a row's speed may be rounding, for what bodies gain within a step.
+pub(crate) fn noise(
+    context: &RowContext<'_>,
+    row: &RowGeometry,
+    gain: impl Fn(usize) -> Vector3<f64>,
+) -> f64 {
+    let side = |k: usize| {
+        row.bodies[k]
+            .map_or(0.0, |b| row.jacobian[k].abs().dot(&(context.v[b].abs() + gain(b).abs())))
+    };
+    NOISE * (side(0) + side(1))
+}
+
+/// What motors at their maximum give bodies within a step, m/s and rad/s.
+fn driven(context: &RowContext<'_>) -> Vec<Vector3<f64>> {
+    let scene = context.scene;
+    let mut driven = vec![Vector3::zeros(); scene.bodies.len()];
+    for (joint, it) in (0_u32..).zip(&scene.joints) {
+        let Some(max) = it.motor.and_then(|motor| motor.max) else { continue };
+        let row = context.geometry(RowSource::Motor { joint });
+        for (body, j) in row.bodies.iter().zip(&row.jacobian) {
+            if let Some(body) = body.filter(|body| scene.is_dynamic(*body)) {
+                driven[body] += j.abs().component_div(&scene.bodies[body].mass) * (max * scene.dt);
+            }
+        }
+    }
+    driven
 }
 
 /// All limits of a scene's joints.

@@ -26,6 +26,7 @@
 use nalgebra::{Vector2, Vector3, Vector4, Vector6};
 use tangency_collision::pose::perp;
 use tangency_collision::{Collider, Contact, Feature, Part};
+use tangency_core::bend::Bend;
 use tangency_core::row::RowContext;
 
 use crate::rotations::Rotations;
@@ -132,6 +133,26 @@ impl<'a> ContactPlace<'a> {
         }
     }
 
+    /// Pulls the gradient by γ of one of the contact's rows onto its shapes.
+    pub(crate) fn pull_bend(
+        &self,
+        context: &RowContext<'_>,
+        bend: &Bend,
+        bar: f64,
+        bars: &mut Bars<'_>,
+    ) {
+        let line = match self.contact.feature.feature {
+            Feature::Points { .. } => None,
+            Feature::LineA { .. } => Some(0),
+            Feature::LineB { .. } => Some(1),
+        };
+        for side in 0..2 {
+            let l_bar = bend.by_anchors.fixed_rows::<2>(2 * side) * bar;
+            let turn_bar = if line == Some(side) { bend.by_turn * bar } else { 0.0 };
+            self.reshape(context, side, &l_bar, turn_bar, bars);
+        }
+    }
+
     /// Pulls the gradient by a side's point and by the direction of its line onto the vertices.
     fn reshape(
         &self,
@@ -198,8 +219,12 @@ fn edge_of(collider: &Collider, shape: usize, part: Part) -> Option<([usize; 2],
     }
 }
 
-/// What the change of the shapes does to a contact.
-fn reshaped(context: &RowContext<'_>, contact: &Contact, along: &Direction<'_>) -> Vector4<f64> {
+/// The changes of the points of a contact's features and of the angle of its line, within their bodies.
+fn shape_change(
+    context: &RowContext<'_>,
+    contact: &Contact,
+    along: &Direction<'_>,
+) -> ([Vector2<f64>; 2], f64) {
     let id = &contact.feature.id;
     let (mut moved, mut turned) = ([Vector2::zeros(); 2], 0.0);
     for (side, moved) in moved.iter_mut().enumerate() {
@@ -216,10 +241,28 @@ fn reshaped(context: &RowContext<'_>, contact: &Contact, along: &Direction<'_>) 
             (_, None) => (*moved, turned) = (by.vertices[first], by.turns[shape]),
         }
     }
+    (moved, turned)
+}
+
+/// What the change of the shapes does to γ of one of a contact's rows.
+pub(crate) fn bend_change(
+    context: &RowContext<'_>,
+    contact: &Contact,
+    bend: &Bend,
+    along: &Direction<'_>,
+) -> f64 {
+    let (moved, turned) = shape_change(context, contact, along);
+    let by = |side: usize| bend.by_anchors.fixed_rows::<2>(2 * side).dot(&moved[side]);
+    by(0) + by(1) + bend.by_turn * turned
+}
+
+/// What the change of the shapes does to a contact.
+fn reshaped(context: &RowContext<'_>, contact: &Contact, along: &Direction<'_>) -> Vector4<f64> {
+    let (moved, turned) = shape_change(context, contact, along);
     if turned == 0.0 && moved.iter().all(|moved| *moved == Vector2::zeros()) {
         return Vector4::zeros();
     }
-    let [a, b] = id.bodies.map(|body| &context.q[body as usize]);
+    let [a, b] = contact.feature.id.bodies.map(|body| &context.q[body as usize]);
     contact.feature.reshaped(a, b, &moved, turned)
 }
 

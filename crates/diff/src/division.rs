@@ -1,7 +1,7 @@
 //! Derivatives of steps that impacts divide.
 //!
-//! The part before an impact is a flow F(x, τ) whose length obeys g(F(x, τ)) = 0, the last part lasts for
-//! dt − Σ τ. With x̄ the gradient by the state that hits and l̄ that by the length of the last part,
+//! The part before an event is a flow F(x, τ) whose length obeys g(F(x, τ)) = 0 (g a gap, or whatever tells
+//! the time, see [`Event`]), the last part lasts for dt − Σ τ. With x̄ the gradient by the state that hits and l̄ that by the length of the last part,
 //!
 //! ```text
 //!  dτ = −(∂g·dF + g_p dp)/ġ           ġ = ∂g·F_τ           dx = dF + F_τ dτ
@@ -18,12 +18,12 @@ use tangency_core::row::{RowContext, RowSource};
 use tangency_core::{Motion, Scene, State, StepRecord};
 
 use crate::error::DiffError;
+use crate::event::Event;
 use crate::impulse::RowImpulse;
-use crate::island::{gap_jvp, gap_vjp};
 use crate::lcp::WEAK_MARGIN;
 use crate::report::{GradientReport, Switch};
 use crate::reverse::Reverse;
-use crate::step::{contact_changes, part_jvp};
+use crate::step::part_jvp;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
 
 impl Reverse {
@@ -36,50 +36,44 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
-        if record.fell_back() {
-            report.add_fall_back();
-        }
         report.go_to(None);
         self.impulses.go_to(None);
         let by_dt = std::mem::take(&mut bars.scene.dt);
         self.part(scene, start(before, record, record.parts.len()), record, bars, report)?;
         let by_length = bars.scene.dt;
-        let mut impact: Option<&StepRecord> = None;
         for (k, part) in record.parts.iter().enumerate().rev() {
             let before = start(before, record, k);
             report.go_to(Some(k + 1));
-            if let Some(impact) = impact.take() {
-                self.hit(scene, (k, before), [part, impact], by_length, bars, report)?;
+            if let Some(event) = Event::of(scene, part, record.parts.get(k + 1)) {
+                self.event(scene, (k, before), (part, &event), by_length, bars, report)?;
             }
             report.go_to(Some(k));
             self.impulses.go_to(Some(k));
             self.part(scene, before, part, bars, report)?;
-            impact = Some(part).filter(|part| part.hit.is_some());
         }
         bars.scene.dt = by_dt + by_length;
         Ok(())
     }
 
-    /// What comes through the time of an impact, by the state that the flow before it, part k from the
+    /// What comes through the time of an event, by the state that the flow before it, part k from the
     /// state `before`, ends in.
-    fn hit(
+    fn event(
         &mut self,
         scene: &Scene,
         (k, before): (usize, &State),
-        [flow, impact]: [&StepRecord; 2],
+        (flow, event): (&StepRecord, &Event<'_>),
         by_length: f64,
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
-        let Some(row) = impact.hit else { return Ok(()) };
-        let context = impact.velocity_context(scene, &flow.after);
         let (rate, rates) = flow_rate(scene, before, flow, k)?;
-        let still = SceneVector::like(scene);
-        let opens = opening(&context, row, &rate, &still);
-        add_switches(&context, row, opens, report);
+        let opens = passing(event, &rate, flow, scene);
+        if let Event::Gap(context, row) = event {
+            add_switches(context, *row, opens, report);
+        }
         let by_time = bars.state.dot(&rate) - by_length + self.impulses.dot(&rates);
         self.rotations.renew(before.q.len());
-        gap_vjp(&context, row, -by_time / opens, &mut self.rotations, bars);
+        event.pull(-by_time / opens, &mut self.rotations, bars);
         Ok(())
     }
 }
@@ -108,17 +102,13 @@ pub(crate) fn jvp(
         let direction = Direction { state: &state, control, scene: &numbers };
         let first = impulses.len();
         state = part_jvp(scene, before, part, &direction, Some(k), impulses)?;
-        let next = record.parts.get(k + 1);
-        if let Some((impact, row)) = next.and_then(|next| Some((next, next.hit?))) {
-            let context = impact.velocity_context(scene, &part.after);
+        if let Some(event) = Event::of(scene, part, record.parts.get(k + 1)) {
             let (rate, rates) = flow_rate(scene, before, part, k)?;
-            let opens = opening(&context, row, &rate, &SceneVector::like(scene));
-            let later = -opening(&context, row, &state, &numbers) / opens;
-            add_scaled(&mut state, later, &rate);
-            impulses[first..]
-                .iter_mut()
-                .zip(&rates)
-                .for_each(|(it, r)| it.value += later * r.value);
+            let direction = Direction { state: &state, control, scene: &numbers };
+            let later = -event.along(&direction) / passing(&event, &rate, part, scene);
+            state.add_scaled(later, &rate);
+            let changes = impulses[first..].iter_mut().zip(&rates);
+            changes.for_each(|(it, rate)| it.value += later * rate.value);
             length -= later;
         }
     }
@@ -144,16 +134,11 @@ fn flow_rate(
     Ok((end, impulses))
 }
 
-/// How a gap changes with the state and the scene's numbers.
-fn opening(
-    context: &RowContext<'_>,
-    row: RowSource,
-    state: &StateVector,
-    scene: &SceneVector,
-) -> f64 {
-    let control = vec![0.0; context.control.len()];
-    let along = Direction { state, control: &control, scene };
-    gap_jvp(context, row, &contact_changes(context, &along), &along)
+/// ġ: how what tells the time of an event changes in time.
+fn passing(event: &Event<'_>, rate: &StateVector, flow: &StepRecord, scene: &Scene) -> f64 {
+    let control = vec![0.0; flow.control.len()];
+    let still = SceneVector::like(scene);
+    event.along(&Direction { state: rate, control: &control, scene: &still })
 }
 
 /// Tells whether the time of an impact is ill-conditioned, or that of several gaps.
@@ -178,12 +163,6 @@ fn speeds(context: &RowContext<'_>, row: RowSource) -> f64 {
         body.map_or(0.0, |body| j.abs().dot(&context.v[body].abs()))
     };
     sides.map(speed).sum()
-}
-
-fn add_scaled(to: &mut StateVector, factor: f64, rate: &StateVector) {
-    to.time += factor * rate.time;
-    to.q.iter_mut().zip(&rate.q).for_each(|(a, b)| *a += b * factor);
-    to.v.iter_mut().zip(&rate.v).for_each(|(a, b)| *a += b * factor);
 }
 
 /// Whether a step has derivatives that only its parts know.

@@ -64,15 +64,21 @@ impl ImpulseSeeds {
         self.list.iter().map(of).sum()
     }
 
-    /// λ̄ per row of an island of the part; `None` if it has none.
-    pub(crate) fn of(&mut self, island: &IslandRecord) -> Option<&[f64]> {
+    /// Σ λ̄ λ over an island of the part.
+    pub(crate) fn along(&mut self, island: &IslandRecord) -> f64 {
+        let bars = self.of(island, 1.0).unwrap_or_default();
+        bars.iter().zip(&island.solution.impulses).map(|(bar, impulse)| bar * impulse).sum()
+    }
+
+    /// λ̄ times `weight` per row of an island of the part; `None` if it has none.
+    pub(crate) fn of(&mut self, island: &IslandRecord, weight: f64) -> Option<&[f64]> {
         let part = self.part;
         let mut found = false;
         self.rows.clear();
         self.rows.resize(island.sources.len(), 0.0);
         for it in self.list.iter().filter(|it| it.part == part) {
             if let Some(row) = island.sources.iter().position(|source| *source == it.source) {
-                self.rows[row] += it.value;
+                self.rows[row] += weight * it.value;
                 found = true;
             }
         }

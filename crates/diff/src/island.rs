@@ -13,8 +13,8 @@ mod slope;
 use tangency_core::row::RowSource;
 use tangency_core::{Control, JointRow, Scene};
 
-pub(crate) use pull::{gap_vjp, vjp};
-pub(crate) use push::{gap_jvp, jvp};
+pub(crate) use pull::{gap_vjp, speed_vjp, vjp};
+pub(crate) use push::{gap_jvp, jvp, speed_jvp};
 pub(crate) use response::Response;
 
 /// The joint row behind a source, and the sign with which it enters.

@@ -18,11 +18,13 @@ mod momentum;
 mod rotations;
 mod shape;
 mod softening;
+mod spring;
 mod vector;
 // steps and rollouts,
 mod checkpoints;
 mod division;
 mod error;
+mod event;
 mod growth;
 mod impulse;
 mod mode;
@@ -31,6 +33,7 @@ mod reverse;
 mod rollout;
 mod seeds;
 mod sizes;
+mod smooth;
 mod step;
 // all derivatives of a step at once, and products with those of a rollout,
 mod coordinates;

@@ -35,6 +35,9 @@ pub enum GradientMode {
     /// complementary products are `kappa` s*², s*² being the energy scale of the problem. Open contacts
     /// within reach of the step push a little, sticking ones give a little.
     ///
+    /// Flows of accurate steps have no such problems: what slides in them, and which way, is told by
+    /// velocities. Their derivatives are the exact ones; those of their impacts are smoothed.
+    ///
     /// Away from switches this differs from the exact derivative by O(κ), at switches by O(√κ). Where
     /// nothing moves, is driven or has a right-hand side (s* = 0), the derivative is the exact one.
     Smoothed {

@@ -3,14 +3,18 @@
 //! ```text
 //!  p_i = M_i (v_i + dt g s_i) + Σ overlap · wrench + dt u e_component + dt u J_freeᵀ
 //! ```
+//!
+//! In smooth flows p is the force alone: M v is left out, dt is 1, a force in time acts or does not, and soft
+//! joints pull.
 
 use nalgebra::Vector3;
-use tangency_core::momentum::overlap;
+use tangency_core::momentum::{acts, overlap};
 use tangency_core::row::RowContext;
 use tangency_core::{Control, Force, JointRow, Scene};
 
 use crate::joint_row::{self, JointPlace};
 use crate::rotations::Rotations;
+use crate::spring;
 use crate::vector::{Bars, Direction};
 
 /// Pulls ∂L/∂p back onto state, control and scene.
@@ -22,17 +26,21 @@ pub(crate) fn vjp(
     bars: &mut Bars<'_>,
 ) {
     let scene = context.scene;
+    let moves = !context.bends();
     for (i, body) in scene.bodies().iter().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
         let (g, p_bar) = (gravity(scene, i), &p_bar[i]);
-        bars.state.v[i] += body.mass.component_mul(p_bar);
-        bars.scene.bodies[i].mass += p_bar.component_mul(&(context.v[i] + g * context.dt));
+        if moves {
+            bars.state.v[i] += body.mass.component_mul(p_bar);
+        }
+        let v = if moves { context.v[i] } else { Vector3::zeros() };
+        bars.scene.bodies[i].mass += p_bar.component_mul(&(v + g * context.dt));
         bars.scene.gravity += p_bar.xy() * (body.mass.x * context.dt * body.gravity_scale);
         bars.scene.dt += p_bar.dot(&body.mass.component_mul(&g));
     }
     for (k, force) in scene.forces().iter().enumerate().filter(|(_, f)| scene.is_dynamic(f.body)) {
-        let (by_time, by_dt) = overlap_derivative(force, time, context.dt);
+        let (lasts, by_time, by_dt) = lasting(context, force, time);
         let power = force.wrench.dot(&p_bar[force.body]);
-        bars.scene.forces[k] += p_bar[force.body] * overlap(force, time, context.dt);
+        bars.scene.forces[k] += p_bar[force.body] * lasts;
         bars.state.time += by_time * power;
         bars.scene.dt += by_dt * power;
     }
@@ -62,6 +70,9 @@ pub(crate) fn vjp(
             Control::MotorSpeed { .. } => {}
         }
     }
+    if !moves {
+        spring::vjp(context, p_bar, rotations, bars);
+    }
 }
 
 /// The change of p along a direction.
@@ -71,13 +82,15 @@ pub(crate) fn jvp(context: &RowContext<'_>, time: f64, along: &Direction<'_>) ->
     for (i, body) in scene.bodies().iter().enumerate().filter(|(i, _)| scene.is_dynamic(*i)) {
         let (g, dt) = (gravity(scene, i), context.dt);
         let dg = along.scene.gravity * body.gravity_scale;
-        let dv = along.state.v[i] + Vector3::new(dg.x, dg.y, 0.0) * dt + g * along.scene.dt;
-        let dm = along.scene.bodies[i].mass.component_mul(&(context.v[i] + g * dt));
+        let moves = if context.bends() { 0.0 } else { 1.0 };
+        let gained = Vector3::new(dg.x, dg.y, 0.0) * dt + g * along.scene.dt;
+        let dv = along.state.v[i] * moves + gained;
+        let dm = along.scene.bodies[i].mass.component_mul(&(context.v[i] * moves + g * dt));
         p[i] = body.mass.component_mul(&dv) + dm;
     }
     for (k, force) in scene.forces().iter().enumerate().filter(|(_, f)| scene.is_dynamic(f.body)) {
-        let (by_time, by_dt) = overlap_derivative(force, time, context.dt);
-        p[force.body] += along.scene.forces[k] * overlap(force, time, context.dt);
+        let (lasts, by_time, by_dt) = lasting(context, force, time);
+        p[force.body] += along.scene.forces[k] * lasts;
         p[force.body] += force.wrench * (by_time * along.state.time + by_dt * along.scene.dt);
     }
     for (channel, (input, u)) in scene.controls().iter().zip(context.control).enumerate() {
@@ -97,7 +110,19 @@ pub(crate) fn jvp(context: &RowContext<'_>, time: f64, along: &Direction<'_>) ->
             Control::MotorSpeed { .. } => {}
         }
     }
+    if context.bends() {
+        spring::jvp(context, along, &mut p);
+    }
     p
+}
+
+/// How long a force acts, s, and that by (time, dt).
+fn lasting(context: &RowContext<'_>, force: &Force, time: f64) -> (f64, f64, f64) {
+    if context.bends() {
+        return (f64::from(u8::from(acts(force, time))), 0.0, 0.0);
+    }
+    let (by_time, by_dt) = overlap_derivative(force, time, context.dt);
+    (overlap(force, time, context.dt), by_time, by_dt)
 }
 
 fn gravity(scene: &Scene, i: usize) -> Vector3<f64> {

@@ -15,16 +15,18 @@ use crate::{island, momentum, sizes};
 /// The reverse pass of a step, and its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Reverse {
-    adjoint: LcpAdjoint,
+    pub(crate) adjoint: LcpAdjoint,
     pub(crate) rotations: Rotations,
     /// ∂L/∂λ of the step.
     pub(crate) impulses: ImpulseSeeds,
     /// ∂L/∂v⁺, or by the displacement, per body of an island.
-    seed: Vec<Vector3<f64>>,
+    pub(crate) seed: Vec<Vector3<f64>>,
     /// ∂L/∂v⁺ per body.
     v_bar: Vec<Vector3<f64>>,
     /// ∂L/∂p per body.
-    p_bar: Vec<Vector3<f64>>,
+    pub(crate) p_bar: Vec<Vector3<f64>>,
+    /// ∂L/∂a per body, of one slope of a smooth flow.
+    pub(crate) a_bar: Vec<Vector3<f64>>,
     /// Which bodies have rows.
     bound: Vec<bool>,
     /// ∂L/∂q⁺ of a flow while the gradient by the poses of its rows is collected.
@@ -42,6 +44,9 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
+        if record.fell_back() {
+            report.add_fall_back();
+        }
         if record.parts.is_empty() {
             self.part(scene, before, record, bars, report)?;
         } else {
@@ -61,6 +66,9 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
+        if let Some(smooth) = &record.smooth {
+            return self.smooth(scene, record, smooth, bars, report);
+        }
         for post in record.post.iter().rev() {
             self.displacement(scene, record, post, bars, report)?;
         }
@@ -78,7 +86,7 @@ impl Reverse {
         for island in &record.islands {
             self.seed.clear();
             self.seed.extend(island.bodies.iter().map(|body| self.v_bar[*body as usize]));
-            self.island(&context, island, true, bars, report)?;
+            self.island(&context, island, Some(1.0), bars, report)?;
             report.add_bounces(&context, island);
             for (body, bar) in island.bodies.iter().zip(self.adjoint.momentum()) {
                 self.p_bar[*body as usize] = *bar;
@@ -102,7 +110,7 @@ impl Reverse {
     }
 
     /// q̃ + dt w: turns the gradient by it into that by q̃.
-    fn displacement(
+    pub(crate) fn displacement(
         &mut self,
         scene: &Scene,
         record: &StepRecord,
@@ -119,24 +127,24 @@ impl Reverse {
                 bars.scene.dt += q_bar.dot(w);
                 self.seed.push(q_bar * record.dt);
             }
-            self.island(&context, island, false, bars, report)?;
+            self.island(&context, island, None, bars, report)?;
         }
         Ok(())
     }
 
-    /// One problem: from `seed`, and of `velocities` from ∂L/∂λ, to all that it was assembled from, but
-    /// for p.
-    fn island(
+    /// One problem: from `seed`, and from ∂L/∂λ times `weight` if its impulses count, to all that it was
+    /// assembled from, but for p.
+    pub(crate) fn island(
         &mut self,
         context: &RowContext<'_>,
         island: &IslandRecord,
-        velocities: bool,
+        weight: Option<f64>,
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
         let IslandRecord { problem, solution, .. } = island;
-        let asked = velocities && self.impulses.any();
-        let impulses = if asked { self.impulses.of(island) } else { None };
+        let weight = weight.filter(|_| self.impulses.any());
+        let impulses = weight.and_then(|weight| self.impulses.of(island, weight));
         self.adjoint.solve(problem, solution, &self.seed, impulses)?;
         report.add(island, &self.adjoint.report(problem, solution));
         island::vjp(context, island, &self.adjoint, &mut self.rotations, bars);
@@ -154,7 +162,9 @@ impl Reverse {
             let (by_after, by_before) = match record.motion {
                 Motion::Fixed => (q_bar * dt, Vector3::zeros()),
                 Motion::Flow => (q_bar * (0.5 * dt), q_bar * (0.5 * dt)),
-                Motion::Impact => (Vector3::zeros(), Vector3::zeros()),
+                Motion::Impact | Motion::Projection | Motion::Smooth => {
+                    (Vector3::zeros(), Vector3::zeros())
+                }
             };
             self.v_bar.push(*v_bar + by_after);
             *v_bar = by_before;

@@ -17,7 +17,7 @@ use crate::lcp::lcp_jvp;
 use crate::report::GradientReport;
 use crate::reverse::Reverse;
 use crate::vector::{Bars, Direction, SceneVector, StateVector};
-use crate::{division, impulse, island, momentum, sizes};
+use crate::{division, impulse, island, momentum, sizes, smooth};
 
 /// Pulls `after_bar` = ∂L/∂(state after the step) back: returns ∂L/∂(state before), and adds to
 /// `control` (one number per channel), `out` and `report`.
@@ -79,6 +79,9 @@ pub(crate) fn part_jvp(
     part: Option<usize>,
     impulses: &mut Vec<RowImpulse>,
 ) -> Result<StateVector, DiffError> {
+    if let Some(smooth) = &record.smooth {
+        return smooth::jvp(scene, record, smooth, along, part, impulses);
+    }
     let context = record.velocity_context(scene, before);
     let midway = (record.motion == Motion::Flow).then(|| midway_jvp(before, record, along));
     let at_rows = Direction { state: midway.as_ref().unwrap_or(along.state), ..*along };
@@ -104,7 +107,7 @@ pub(crate) fn part_jvp(
             Motion::Flow => {
                 (along.state.v[i] + dv) * (0.5 * record.dt) + (before.v[i] + v) * (0.5 * dt)
             }
-            Motion::Impact => Vector3::zeros(),
+            Motion::Impact | Motion::Projection | Motion::Smooth => Vector3::zeros(),
         };
     }
     for post in &record.post {
@@ -122,7 +125,7 @@ fn midway_jvp(before: &State, record: &StepRecord, along: &Direction<'_>) -> Sta
     midway
 }
 
-fn post_jvp(
+pub(crate) fn post_jvp(
     scene: &Scene,
     record: &StepRecord,
     post: &PostRecord,
@@ -145,7 +148,7 @@ fn post_jvp(
     Ok(())
 }
 
-fn bodies_with_rows(scene: &Scene, islands: &[IslandRecord]) -> Vec<bool> {
+pub(crate) fn bodies_with_rows(scene: &Scene, islands: &[IslandRecord]) -> Vec<bool> {
     let mut bound = vec![false; scene.bodies().len()];
     islands.iter().flat_map(|i| &i.bodies).for_each(|b| bound[*b as usize] = true);
     bound
@@ -159,6 +162,6 @@ pub(crate) fn contact_changes(
     context.contacts.iter().map(change).collect()
 }
 
-fn scatter(bodies: &[u32], from: &[Vector3<f64>], to: &mut [Vector3<f64>]) {
+pub(crate) fn scatter(bodies: &[u32], from: &[Vector3<f64>], to: &mut [Vector3<f64>]) {
     bodies.iter().zip(from).for_each(|(b, x)| to[*b as usize] = *x);
 }

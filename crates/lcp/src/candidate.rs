@@ -106,17 +106,20 @@ impl Polish<'_> {
         if self.reached(&found) || found.max() > self.near_miss {
             return found;
         }
-        let stiff = found.solution.system.as_ref().and_then(|system| {
-            let reduced = system.solve_stiff(self.problem)?;
-            Some(self.assemble(system, &found.solution.modes, reduced, scratch))
-        });
-        match stiff {
+        match self.solved_stiff(&found, scratch) {
             Some(mut stiff) if stiff.max() < found.max() => {
                 stiff.solution.stats.factorisations += found.solution.stats.factorisations;
                 stiff
             }
             _ => found,
         }
+    }
+
+    /// The same modes by the dense system.
+    pub(crate) fn solved_stiff(&self, found: &Polished, scratch: &mut Scratch) -> Option<Polished> {
+        let system = found.solution.system.as_ref()?;
+        let reduced = system.solve_stiff(self.problem)?;
+        Some(self.assemble(system, &found.solution.modes, reduced, scratch))
     }
 
     fn assemble(

@@ -20,10 +20,10 @@ pub struct Lab<'a> {
     case: &'static str,
 }
 
-/// The most accurate stepping that the engine has: today fixed steps of a millisecond.
+/// The most accurate stepping that the engine has, in steps of a millisecond.
 #[must_use]
 pub fn recommended(def: SceneDef) -> SceneDef {
-    SceneDef { dt: 1e-3, ..def }
+    SceneDef { dt: 1e-3, stepping: Stepping::Accurate { max_events: 32 }, ..def }
 }
 
 /// Steps of dt that are divided at impacts, so that derivatives are those of the motion.

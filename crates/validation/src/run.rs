@@ -34,6 +34,18 @@ impl Run {
         self.tape.records.last().expect("a run has steps")
     }
 
+    /// Everything that the run consists of, in the order of time: steps, or the parts of those that events
+    /// divide.
+    #[must_use]
+    pub fn parts(&self) -> impl DoubleEndedIterator<Item = &StepRecord> {
+        self.tape.records.iter().flat_map(|record| record.parts.iter().chain([record]))
+    }
+
+    /// The initial state and those at the ends of all parts.
+    pub fn moments(&self) -> impl Iterator<Item = &State> {
+        std::iter::once(&self.tape.initial).chain(self.parts().map(|part| &part.after))
+    }
+
     /// State at a time, rounded to whole steps.
     #[must_use]
     pub fn at(&self, time: f64) -> &State {

@@ -71,6 +71,37 @@ pub(crate) fn gap_vjp(
     place.pull_back(bars);
 }
 
+/// Pulls the gradient by the speed of a contact's friction row, or of a motor's less its target, back.
+pub(crate) fn speed_vjp(
+    context: &RowContext<'_>,
+    source: RowSource,
+    speed_bar: f64,
+    rotations: &mut Rotations,
+    bars: &mut Bars<'_>,
+) {
+    let geometry = context.geometry(source);
+    let mut j_bar = [Vector3::zeros(); 2];
+    for (side, body) in geometry.bodies.iter().enumerate() {
+        let Some(body) = *body else { continue };
+        j_bar[side] = context.v[body] * speed_bar;
+        bars.state.v[body] += geometry.jacobian[side] * speed_bar;
+    }
+    if let Owner::Contact(contact) = owner(source) {
+        let mut place = ContactPlace::new(context, contact);
+        let tangent = pose::perp(&place.normal());
+        place.add_row(&tangent, &j_bar, 0.0);
+        return place.pull_back(context, rotations, bars);
+    }
+    let (joint, row, _) = joint_row_of(context.scene, source);
+    let mut place = JointPlace::new(context, joint, rotations);
+    place.add_row(&row.measure, &j_bar, 0.0);
+    place.pull_back(bars);
+    bars.scene.joints[joint as usize].motor_speed -= speed_bar;
+    for channel in motor_channels(context.scene, joint) {
+        bars.control[channel] -= speed_bar;
+    }
+}
+
 /// What rows are rows of.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
@@ -175,6 +206,10 @@ impl Pull<'_, '_> {
         shape: &Shape,
         bar: &mut RowVector,
     ) -> f64 {
+        if self.context.bends() {
+            self.bend(source, bodies, bar);
+            return 0.0;
+        }
         let (context, bars) = (self.context, &mut *self.bars);
         let sides = bodies.iter().zip(&shape.jacobian);
         let along = |(body, j): (&Option<usize>, &Vector3<f64>)| {
@@ -193,6 +228,46 @@ impl Pull<'_, '_> {
             }
         }
         bar.rhs * rhs.d_position
+    }
+}
+
+impl Pull<'_, '_> {
+    /// The same for b = −γ.
+    fn bend(&mut self, source: RowSource, bodies: &[Option<usize>; 2], bar: &RowVector) {
+        let bars = &mut *self.bars;
+        match source {
+            RowSource::Motor { joint } => {
+                bars.scene.joints[joint as usize].motor_max += bar.bound;
+            }
+            RowSource::Tangent { .. } => {
+                pull_parameters(self.context, source, bar, &Rhs::default(), bars);
+            }
+            _ => {}
+        }
+        if bar.rhs == 0.0 {
+            return;
+        }
+        let bend = self.context.bend(source);
+        for (side, body) in bodies.iter().enumerate() {
+            let Some(body) = *body else { continue };
+            bars.state.q[body] -= bend.by_pose.fixed_rows::<3>(3 * side) * bar.rhs;
+            bars.state.v[body] -= bend.by_velocity.fixed_rows::<3>(3 * side) * bar.rhs;
+        }
+        match owner(source) {
+            Owner::Joint(joint) => {
+                for (side, by) in bars.scene.joints[joint as usize].anchors.iter_mut().enumerate() {
+                    *by -= bend.by_anchors.fixed_rows::<2>(2 * side) * bar.rhs;
+                }
+            }
+            Owner::Contact(contact) => {
+                ContactPlace::new(self.context, contact).pull_bend(
+                    self.context,
+                    &bend,
+                    -bar.rhs,
+                    bars,
+                );
+            }
+        }
     }
 }
 

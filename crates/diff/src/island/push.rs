@@ -7,6 +7,7 @@ use tangency_core::row::{RowContext, RowSource};
 use tangency_core::{IslandRecord, Param, Scene};
 
 use super::{joint_row_of, motor_channels};
+use crate::contact_row::bend_change;
 use crate::lcp::{LcpVector, RowVector};
 use crate::vector::Direction;
 use crate::{contact_row, joint_row, softening};
@@ -26,6 +27,10 @@ pub(crate) fn jvp(
     change.mass = bodies().map(|b| along.scene.bodies[b].mass).collect();
     change.momentum = bodies().map(|b| momentum[b]).collect();
     for (k, source) in island.sources.iter().enumerate() {
+        if context.bends() {
+            change.rows[k] = bend_jvp(context, *source, contacts, along);
+            continue;
+        }
         let geometry = context.geometry(*source);
         let rhs = context.rhs(*source, geometry.value, context.speed(&geometry));
         let (dj, d_value) = geometry_jvp(context, *source, contacts, along);
@@ -49,6 +54,70 @@ pub(crate) fn jvp(
         push_parameters(context, *source, row, &rhs, along);
     }
     softening::jvp(context, island, &mut change);
+    change
+}
+
+/// The change of a row whose right-hand side is −γ.
+fn bend_jvp(
+    context: &RowContext<'_>,
+    source: RowSource,
+    contacts: &[Vector4<f64>],
+    along: &Direction<'_>,
+) -> RowVector {
+    let (geometry, bend) = (context.geometry(source), context.bend(source));
+    let (dj, _) = geometry_jvp(context, source, contacts, along);
+    let mut row = RowVector::default();
+    for (side, body) in geometry.bodies.iter().enumerate() {
+        let Some(body) = *body else { continue };
+        if context.scene.is_dynamic(body) {
+            row.jacobian[side] = dj.fixed_rows::<3>(3 * side).into();
+        }
+        row.rhs -= bend.by_pose.fixed_rows::<3>(3 * side).dot(&along.state.q[body]);
+        row.rhs -= bend.by_velocity.fixed_rows::<3>(3 * side).dot(&along.state.v[body]);
+    }
+    if let RowSource::Normal { contact } | RowSource::Tangent { contact } = source {
+        let contact = &context.contacts[contact as usize];
+        row.rhs -= bend_change(context, contact, &bend, along);
+    }
+    match source {
+        RowSource::Tangent { .. } => {
+            push_parameters(context, source, &mut row, &Rhs::default(), along);
+        }
+        RowSource::Normal { .. } => {}
+        _ => {
+            let (joint, ..) = joint_row_of(context.scene, source);
+            let it = &along.scene.joints[joint as usize];
+            for (side, anchor) in it.anchors.iter().enumerate() {
+                row.rhs -= bend.by_anchors.fixed_rows::<2>(2 * side).dot(anchor);
+            }
+            if matches!(source, RowSource::Motor { .. }) {
+                row.bound += it.motor_max;
+            }
+        }
+    }
+    row
+}
+
+/// The change of the speed of a contact's friction row, or of a motor's less its target; `contacts` are the
+/// changes of the contacts.
+pub(crate) fn speed_jvp(
+    context: &RowContext<'_>,
+    source: RowSource,
+    contacts: &[Vector4<f64>],
+    along: &Direction<'_>,
+) -> f64 {
+    let geometry = context.geometry(source);
+    let (dj, _) = geometry_jvp(context, source, contacts, along);
+    let mut change = 0.0;
+    for (side, body) in geometry.bodies.iter().enumerate() {
+        let Some(body) = *body else { continue };
+        change += dj.fixed_rows::<3>(3 * side).dot(&context.v[body]);
+        change += geometry.jacobian[side].dot(&along.state.v[body]);
+    }
+    if let RowSource::Motor { joint } = source {
+        let inputs = motor_channels(context.scene, joint).map(|channel| along.control[channel]);
+        change -= along.scene.joints[joint as usize].motor_speed + inputs.sum::<f64>();
+    }
     change
 }
 

@@ -50,7 +50,7 @@ fn gap(state: &State) -> f64 {
 
 /// Times of the states from which the ball rises after it fell.
 fn impacts(run: &Run) -> Vec<f64> {
-    let states: Vec<_> = run.tape.states().collect();
+    let states: Vec<_> = run.moments().collect();
     let turns = states.windows(2).filter(|s| s[0].v[BALL].y < 0.0 && s[1].v[BALL].y > 0.0);
     turns.map(|s| s[1].time).collect()
 }
@@ -61,7 +61,7 @@ fn impacts_until(run: &Run, time: f64) -> f64 {
 
 /// The last time at which the ball moves faster than a millionth.
 fn moves_until(run: &Run) -> f64 {
-    let moving = run.tape.states().filter(|s| s.v[BALL].y.abs() > 1e-6);
+    let moving = run.moments().filter(|s| s.v[BALL].y.abs() > 1e-6);
     moving.last().map_or(f64::NAN, |s| s.time)
 }
 

@@ -73,7 +73,7 @@ fn miss(state: &State, disc: usize, [x, y]: [f64; 2]) -> f64 {
 
 /// End of the first step in which a contact acts.
 fn first_impact(run: &Run) -> f64 {
-    let acts = run.tape.records.iter().find(|record| super::contact_sums(record).0 > 0.0);
+    let acts = run.parts().find(|part| super::contact_sums(part).0 > 0.0);
     acts.map_or(f64::NAN, |record| record.after.time)
 }
 

@@ -4,7 +4,7 @@ use tangency_bench::scenes::{conveyor, spool};
 use tangency_core::{Param, SceneDef, State};
 
 use crate::lab::recommended;
-use crate::run::{Run, by_friction};
+use crate::run::{Run, Slope, by_friction};
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -70,16 +70,10 @@ fn ride_time(run: &Run) -> f64 {
 }
 
 fn derivatives(lab: &mut Lab<'_>) -> Result<(), Stop> {
-    let run = lab.run(&belt(1e-3), 1.0)?;
-    let seed = run.pick(|s| s.q[BOX].x = 1.0);
-    let by_mu = lab.slope(&run, &seed, &by_friction(0, BOX))?;
-    let by_belt = lab.slope(&run, &seed, &[(Param::Velocity(0, 0), 1.0)])?;
-    for (name, found, exact) in [
-        ("(b) dx/dmu", by_mu, 1.274_209_989_806_320_1),
-        ("(b) dx/d(belt)", by_belt, 0.490_316_004_077_471_97),
-    ] {
-        lab.relative(name, found, exact, 2e-2);
-        lab.fine_slope(format!("{name}, exact"), found, exact, 1e-6);
-    }
-    Ok(())
+    let friction = by_friction(0, BOX);
+    let entries: [Slope<'_>; 2] = [
+        ("mu", &friction, 1.274_209_989_806_320_1),
+        ("(belt)", &[(Param::Velocity(0, 0), 1.0)], 0.490_316_004_077_471_97),
+    ];
+    lab.slopes("(b) x", (&conveyor(), 1.0), |s| s.q[BOX].x = 1.0, &entries, 1e-6)
 }

@@ -1,8 +1,9 @@
 //! Contacts that just touch, deflect by little or much, or just stop.
 
 use tangency_bench::scenes::{grazing_disc, oblique_collision, unit_slider};
-use tangency_core::{Param, SceneDef};
+use tangency_core::Param;
 
+use crate::lab::recommended;
 use crate::{Case, Lab, Part, Stop};
 
 pub(crate) const CASES: &[Case] = &[Case {
@@ -50,8 +51,7 @@ fn deflection(lab: &mut Lab<'_>) -> Result<(), Stop> {
 /// The first disc flies to the other, so that the time of impact changes with b.
 fn deflection_after_flight(lab: &mut Lab<'_>) -> Result<(), Stop> {
     for (q, exact) in DEFLECTIONS {
-        let def = SceneDef { dt: 1e-3, ..oblique_collision(0.0, [1.0, 0.2 * q]) };
-        let run = lab.run(&def, 1.0)?;
+        let run = lab.run(&recommended(oblique_collision(0.0, [1.0, 0.2 * q])), 1.0)?;
         let seed = run.pick(|s| s.v[0].y = 1.0);
         let found = lab.slope(&run, &seed, &[(Param::Position(1, 1), 1.0)])?;
         lab.impact(format!("dv1y/db at q={q}, after flight"), found, exact, 1e-6 * exact.abs());

@@ -97,22 +97,31 @@ fn table(
     (duration, sign): (f64, f64),
     entries: &[Slope<'_>],
 ) -> Result<(), Stop> {
-    let run = lab.run(def, duration)?;
-    let (sin, cos) = slope_angle().sin_cos();
-    let seed = run.pick(|s| (s.q[BLOCK].x, s.q[BLOCK].y) = (sign * cos, sign * sin));
-    for (what, direction, exact) in entries {
-        let mut found = lab.slope(&run, &seed, direction)?;
-        if *what == "angle" {
-            // The slope that the travel is measured along turns too, and so does the start.
-            let start = run.tape.initial.q[BLOCK];
-            let d = run.last().q[BLOCK] - start;
-            let moved = sign * (cos * -start.y + sin * start.x);
-            found += sign * (-d.x * sin + d.y * cos) - moved;
-        }
+    let (plain, fine) = (lab.run(def, duration)?, lab.run(&recommended(def.clone()), duration)?);
+    for entry in entries {
+        let (what, _, exact) = entry;
+        let found = by(lab, &plain, sign, entry)?;
         lab.relative(format!("{part} ds/d{what}"), found, *exact, 2e-2);
+        let found = by(lab, &fine, sign, entry)?;
         lab.fine_slope(format!("{part} ds/d{what}, exact"), found, *exact, 1e-6);
     }
     Ok(())
+}
+
+/// One entry of a run.
+fn by(lab: &mut Lab<'_>, run: &Run, sign: f64, entry: &Slope<'_>) -> Result<f64, Stop> {
+    let (sin, cos) = slope_angle().sin_cos();
+    let seed = run.pick(|s| (s.q[BLOCK].x, s.q[BLOCK].y) = (sign * cos, sign * sin));
+    let (what, direction, _) = entry;
+    let found = lab.slope(run, &seed, direction)?;
+    if *what != "angle" {
+        return Ok(found);
+    }
+    // The slope that the travel is measured along turns too, and so does the start.
+    let start = run.tape.initial.q[BLOCK];
+    let d = run.last().q[BLOCK] - start;
+    let moved = sign * (cos * -start.y + sin * start.x);
+    Ok(found + sign * (-d.x * sin + d.y * cos) - moved)
 }
 
 /// The slope turns about the origin, with the block and its velocity.

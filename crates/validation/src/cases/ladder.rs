@@ -33,10 +33,10 @@ fn wall_force(record: &StepRecord) -> f64 {
     impulses.iter().filter(|i| by_wall(i.contact)).map(|i| i.normal).sum()
 }
 
-/// The state after the last step in which the wall pushes.
+/// The state after the last step, or part of one, in which the wall pushes.
 fn leaves(run: &Run) -> &State {
-    let pushed = run.tape.records.iter().rposition(|record| wall_force(record) > 0.0);
-    run.tape.state(pushed.map_or(0, |last| last + 1))
+    let pushed = run.parts().rfind(|part| wall_force(part) > 0.0);
+    pushed.map_or(&run.tape.initial, |part| &part.after)
 }
 
 fn motion(lab: &mut Lab<'_>) -> Result<(), Stop> {

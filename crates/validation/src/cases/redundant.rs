@@ -30,8 +30,8 @@ fn scene(k: usize, dt: f64) -> SceneDef {
 
 /// The first time at which the box rests.
 fn stops_at(run: &Run) -> f64 {
-    let first = run.first(|s| s.v[BOX].norm() <= 1e-9);
-    first.map_or(f64::NAN, |step| run.tape.state(step).time)
+    let first = run.moments().find(|s| s.v[BOX].norm() <= 1e-9);
+    first.map_or(f64::NAN, |state| state.time)
 }
 
 fn slides(lab: &mut Lab<'_>) -> Result<(), Stop> {

@@ -119,8 +119,8 @@ fn flat(dt: f64) -> SceneDef {
 
 /// The first time at which the contact point rests.
 fn rolls_from(run: &Run) -> f64 {
-    let first = run.first(|s| slip(s, 0.0).abs() <= 1e-9);
-    first.map_or(f64::NAN, |step| run.tape.state(step).time)
+    let first = run.moments().find(|s| slip(s, 0.0).abs() <= 1e-9);
+    first.map_or(f64::NAN, |state| state.time)
 }
 
 fn roll(lab: &mut Lab<'_>) -> Result<(), Stop> {

@@ -42,8 +42,7 @@ fn thrown_at(velocity: [f64; 2]) -> SceneDef {
 /// The times at which the ball left something, as its record has them.
 fn impacts(run: &Run) -> Vec<f64> {
     let hit = |record: &&StepRecord| !record.contact_impulses().is_empty();
-    let parts = run.tape.records.iter().flat_map(|record| record.parts.iter().chain([record]));
-    parts.filter(hit).map(|record| record.after.time).collect()
+    run.parts().filter(hit).map(|record| record.after.time).collect()
 }
 
 fn shot(lab: &mut Lab<'_>) -> Result<(), Stop> {
