@@ -1,5 +1,7 @@
 //! Events between smooth flows, against closed forms.
 
+use std::f64::consts::FRAC_PI_2;
+
 use tangency::{
     BodyDef, JointDef, JointKind, Limits, Motor, Rollout, SceneDef, State, StepRecord, Stepping,
     WORLD,
@@ -177,10 +179,7 @@ fn a_limit_stops_a_motor() {
 /// A hanging rod is given a velocity that its hinge does not allow: the hinge takes it away at once.
 #[test]
 fn velocities_that_contradict_a_joint() {
-    let hung = BodyDef {
-        velocity: [0.0, 1.0],
-        ..rod("rod", 1.0, 1.0, [0.0, -0.5], -1.570_796_326_794_896_6)
-    };
+    let hung = BodyDef { velocity: [0.0, 1.0], ..rod("rod", 1.0, 1.0, [0.0, -0.5], -FRAC_PI_2) };
     let joints = vec![hinge("pin", WORLD, "rod", [0.0, 0.0])];
     let def = SceneDef { bodies: vec![hung], joints, ..SceneDef::default() };
     for solver in backends() {

@@ -48,7 +48,9 @@ fn forward(
     seed: &StateVector,
 ) -> f64 {
     let mut along = RolloutVector::zeros(scene, rollout.records.len());
-    direction.iter().for_each(|(param, rate)| along.add(scene, *param, *rate));
+    for (param, rate) in direction {
+        along.add(scene, *param, *rate);
+    }
     let changes = tangent(scene, rollout, &along).expect("a tangent");
     seed.dot(changes.last().expect("a change per state"))
 }
@@ -220,7 +222,8 @@ fn jacobians_of_steps() {
         let targets = vec![(Param::Gravity(1), 1.0)];
         let parameter = Parameter { name: "gravity".into(), targets };
         for (k, record) in rollout.records.iter().enumerate() {
-            let found = step_jacobian(&scene, rollout.state(k), record, &[parameter.clone()]);
+            let found =
+                step_jacobian(&scene, rollout.state(k), record, std::slice::from_ref(&parameter));
             let found = found.expect("a Jacobian");
             let before = coordinates.flatten(&changes[k]);
             let after = found.state * before + found.parameters.column(0);
