@@ -7,10 +7,11 @@ use tangency::{
 };
 use tangency_bench::finite_difference::derivative;
 use tangency_bench::scenes::{
-    block, disc, doubled_hinge, floor, material, pendulum, rod_hit, stack,
+    block, disc, doubled_hinge, floor, material, pendulum, rod_hit, sliding_box, stack,
 };
 use tangency_bench::signature::signature;
 
+use crate::accurate::accurate;
 use crate::engine::{backends, built, near, near_relative, with_dt};
 use crate::gradients::battery::battery;
 use crate::gradients::numbers::{controls, numbers};
@@ -235,6 +236,9 @@ fn scenes() -> Vec<(SceneDef, usize)> {
     let mut all: Vec<(SceneDef, usize)> = flat.map(|entry| (entry.def, entry.steps)).collect();
     all.push((resolved(with_dt(rod_hit(), 0.01)), 12));
     all.push((resolved(with_dt(pendulum(2.0), 0.01)), 12));
+    all.push((accurate(pendulum(2.0), 0.01), 12));
+    all.push((accurate(rod_hit(), 0.01), 12));
+    all.push((accurate(sliding_box(1.5, 0.3, 0.2), 0.01), 12));
     all
 }
 

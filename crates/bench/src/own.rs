@@ -19,10 +19,12 @@ pub enum Variant {
     Projected,
     /// With impacts at their own time.
     ImpactResolved,
+    /// Accurately, between events at their own time.
+    Accurate,
 }
 
-/// Impacts that divide a step, at most, in these runs.
-const MAX_IMPACTS: u32 = 64;
+/// Impacts, or events, that divide a step, at most, in these runs.
+const MOST_PARTS: u32 = 64;
 
 /// This engine on one backend.
 pub struct Tangency {
@@ -54,8 +56,9 @@ impl Tangency {
                 def.stabilisation = Stabilisation { joints: Correction::Post, ..def.stabilisation };
             }
             Variant::ImpactResolved => {
-                def.stepping = Stepping::ImpactResolved { max_impacts: MAX_IMPACTS };
+                def.stepping = Stepping::ImpactResolved { max_impacts: MOST_PARTS };
             }
+            Variant::Accurate => def.stepping = Stepping::Accurate { max_events: MOST_PARTS },
         }
         Ok(Scene::new(&def)?)
     }
@@ -67,6 +70,7 @@ impl Engine for Tangency {
             Variant::AsDefined => "",
             Variant::Projected => ", projected",
             Variant::ImpactResolved => ", impacts located",
+            Variant::Accurate => ", accurate",
         };
         format!("tangency {}{mode}", self.backend)
     }
@@ -76,6 +80,7 @@ impl Engine for Tangency {
             Variant::AsDefined => "joint errors removed within the velocity solve",
             Variant::Projected => "joint errors removed by a projection after every move",
             Variant::ImpactResolved => "steps divided at impacts (stepping impact_resolved)",
+            Variant::Accurate => "order 4 between located events (stepping accurate)",
         };
         format!("backend {}; residual ≤ 1e-10 in every step; {mode}", self.backend)
     }

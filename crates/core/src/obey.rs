@@ -56,6 +56,7 @@ impl Division<'_> {
         scratch: &mut StepScratch,
     ) -> Result<LcpSolution, LcpError> {
         let leaning = self.leaning(context, rates, island);
+        let guess = guess.map(|guess| stick(guess, &leaning, &island.problem));
         let metric = Metric::new(&island.problem);
         let scale = drive(&island.problem, &metric);
         let own: Vec<f64> = leaning.iter().map(|(row, _)| island.problem.rows[*row].rhs).collect();
@@ -66,7 +67,8 @@ impl Division<'_> {
                 island.problem.rows[*row].rhs = -rhs.copysign(*speed);
             }
             let (problem, tolerance) = (&island.problem, self.scene.tolerance());
-            let found = solve_assembled(self.solver, problem, guess, &mut scratch.lcp, tolerance);
+            let (guess, lcp) = (guess.as_ref(), &mut scratch.lcp);
+            let found = solve_assembled(self.solver, problem, guess, lcp, tolerance);
             let leans = |solution: &LcpSolution| {
                 let against = |speed: f64| if speed > 0.0 { Mode::Lower } else { Mode::Upper };
                 let leans = |mode, speed| mode == Mode::Open || mode == against(speed);
@@ -148,6 +150,20 @@ impl Division<'_> {
             Err(source) => Err(refused(context, &island.bodies, source)),
         }
     }
+}
+
+/// A guess in which what does not slide sticks, although it slid before: two contacts of one body that came to
+/// rest could hold each other at their bounds, and so seem to slide.
+fn stick(guess: &Guess, leaning: &[(usize, f64)], problem: &Lcp) -> Guess {
+    let mut guess = guess.clone();
+    for (row, it) in problem.rows.iter().enumerate() {
+        if let Law::Friction { normal, .. } = it.law
+            && !leaning.iter().any(|(leans, _)| *leans == row)
+        {
+            guess.modes[row] = guess.modes[normal as usize];
+        }
+    }
+    guess
 }
 
 /// All that drives a problem, motors at their maximum included, in mass-weighted units.

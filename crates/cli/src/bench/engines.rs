@@ -19,7 +19,7 @@ pub(super) fn own() -> Vec<Tangency> {
 
 /// This engine's other ways of stepping, on the first backend.
 pub(super) fn modes() -> Vec<Tangency> {
-    let all = [Variant::ImpactResolved];
+    let all = [Variant::ImpactResolved, Variant::Accurate];
     let on = |variant| stepping(backends().next()?, variant);
     all.into_iter().filter_map(on).collect()
 }
