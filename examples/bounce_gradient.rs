@@ -1,4 +1,5 @@
-//! The derivatives of a bounce: of steps of fixed length, of located impacts, and of the motion itself.
+//! The derivatives of a bounce: of steps of fixed length, of located impacts, of accurate steps, and of the
+//! motion itself.
 //!
 //! A disc falls from one metre onto a floor; asked is its height after 0.75 s.
 
@@ -20,6 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, stepping) in [
         ("fixed", Stepping::Fixed),
         ("impact-resolved", Stepping::ImpactResolved { max_impacts: 8 }),
+        ("accurate", Stepping::Accurate { max_events: 32 }),
     ] {
         let scene = Scene::new(&SceneDef { stepping, ..dropped() })?;
         let run = simulate(&scene, default_solver().as_ref(), 150)?;
