@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         seed.q[TOP].x = 1.0;
         let found = gradient(&scene, &run, |k, _| (k == STEPS).then(|| seed.clone()))?;
         let by = |name| Parameter::parse(&scene, name).map(|it| it.gradient(&scene, &found.by));
-        // The friction of a pair is the mean of its two, so that all boxes together change it by one.
+        // The friction of a pair is √(μμ): all coefficients together change it by one.
         let (by_speed, by_friction) = (by("velocity.x:box9")?, by("friction:*")?);
         println!("{name:12} {:12.9}  {by_speed:12.9}  {by_friction:12.9}", run.last().q[TOP].x);
     }

@@ -1,5 +1,5 @@
-//! The validation cases, those of `tangency validate`: every figure of plain stepping is within its
-//! tolerance on every backend. Tolerances are those of the cases and are never loosened.
+//! The validation cases, those of `tangency validate`: every figure is within its tolerance on every backend.
+//! Tolerances are those of the cases and are never loosened.
 
 use tangency_validation::report::Line;
 use tangency_validation::{Backend, Figure, Verdict, cases, measure};
@@ -14,8 +14,9 @@ fn backends() -> Vec<Backend> {
     list
 }
 
-/// Cases whose figures of all grades must be met: those that steps divided at impacts were made for.
-const REACHED: [&str; 3] = ["V34", "V36", "V37"];
+/// What is not reached: bounces that would end within a step end at its beginning, so that the time at which the
+/// last of infinitely many is over is right to a step only.
+const NOT_REACHED: [(&str, &str); 1] = [("V04", "motion ends")];
 
 /// `cargo test -- --nocapture` prints the table.
 #[track_caller]
@@ -31,7 +32,7 @@ fn check(id: &str) {
         }
         let missed = |figure: &&Figure| match figure.verdict {
             Verdict::Failed => true,
-            Verdict::NotReached => REACHED.contains(&id),
+            Verdict::NotReached => !NOT_REACHED.contains(&(id, &figure.quantity)),
             Verdict::Passed | Verdict::Refused => false,
         };
         let failed: Vec<&Figure> = figures.iter().filter(missed).collect();

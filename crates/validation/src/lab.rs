@@ -183,13 +183,6 @@ impl<'a> Lab<'a> {
         self.figures.push(Figure::missing(self.case, quantity.into(), grade, verdict, note));
     }
 
-    /// A quantity that the engine offers no way to measure yet.
-    pub fn open(&mut self, quantity: impl Into<String>, note: impl Into<String>) {
-        let (grade, verdict) = (Grade::Fine, Verdict::NotReached);
-        let figure = Figure::missing(self.case, quantity.into(), grade, verdict, note.into());
-        self.figures.push(figure);
-    }
-
     /// A part that ended early.
     pub(crate) fn stopped(&mut self, part: &str, stop: &Stop) {
         let (grade, verdict) = (Grade::Step, Verdict::Failed);

@@ -126,9 +126,9 @@ same table as CSV; `tangency validate V05` measures one case. The tests run the 
 
 A figure without further words is one that plain fixed stepping must meet. Those marked *fine* and *impact*
 belong to steppings that locate events inside a step: in V34, V36 and V37 they are measured with steps divided
-at impacts and must be met, elsewhere with `accurate` steps of a millisecond and listed so that nothing hides;
-*not reached yet* is no failure. *Refused* means that a backend said that
-a matrix is not of the class that it solves.
+at impacts, elsewhere with `accurate` steps of a millisecond. What is *not reached yet* stands in the list, so that
+nothing hides: of V04 the time at which infinitely many bounces are over, which is right to a step. *Refused*
+means that a backend said that a matrix is not of the class that it solves.
 ";
 
 const HEADER: &str =

@@ -2,10 +2,11 @@
 //! of the engine's own rollout.
 
 use tangency_bench::finite_difference::derivative;
-use tangency_core::{Param, StepRecord, simulate};
-use tangency_diff::StateVector;
+use tangency_core::{Param, State, StepRecord, checkpointed_rollout, simulate};
+use tangency_diff::{GradientMode, StateVector, checkpointed_gradient};
 use tangency_lcp::LcpSolver;
 
+use crate::lab::recommended;
 use crate::run::Run;
 use crate::{Case, Lab, Part, Stop};
 
@@ -100,7 +101,41 @@ fn same_contacts(one: &StepRecord, other: &StepRecord) -> bool {
     acting(one) == acting(other) && modes(one) == modes(other)
 }
 
+/// The gradient by everything, read off few records and off all of them.
 fn checkpoints(lab: &mut Lab<'_>) -> Result<(), Stop> {
-    lab.open("checkpointed reverse equals full reverse bitwise", "there are no checkpoints yet");
+    let all = [
+        questions::large_pendulum(),
+        questions::bouncing(),
+        questions::rolling(),
+        questions::parallelogram(),
+        questions::heavy_stack(),
+    ];
+    for question in all {
+        for def in [question.def.clone(), recommended(question.def.clone())] {
+            let run = lab.run(&def, f64::min(question.duration, 0.5))?;
+            let (scene, solver, steps) = (&run.scene, lab.solver(), run.tape.records.len());
+            let zeros = vec![0.0; scene.controls().len()];
+            let control = |_: usize, _: &State| zeros.clone();
+            let few =
+                checkpointed_rollout(scene, solver, run.tape.initial.clone(), steps, control)?;
+            let seed = weights(&run);
+            let add = |k: usize, _: &State, bar: &mut StateVector| {
+                if k == steps {
+                    bar.add(&seed);
+                }
+            };
+            let found = checkpointed_gradient(scene, solver, &few, GradientMode::Exact, add)?;
+            let stepping = if def.stepping == question.def.stepping { "" } else { ", accurate" };
+            let title = format!("{}{stepping}: checkpointed reverse is the full one", def.name);
+            lab.holds(title, found.by == run.gradient(&seed)?.by);
+            let most = 2.0 * (steps as f64).sqrt() + 2.0;
+            let held = few.most_records() as f64;
+            lab.at_least(
+                format!("{}{stepping}: 2 √T + 2 less records held", def.name),
+                most - held,
+                0.0,
+            );
+        }
+    }
     Ok(())
 }

@@ -1,7 +1,11 @@
 //! Bodies that friction stops, and the derivatives of where.
 
+use nalgebra::Vector3;
 use tangency_bench::scenes::sliding_box;
 use tangency_core::{ForceDef, Param, SceneDef};
+use tangency_diff::lcp::lcp_vjp;
+use tangency_diff::{DiffError, GradientMode};
+use tangency_lcp::{Law, Lcp, NO_BODY, Row, Scratch, solve_checked};
 
 use crate::lab::recommended;
 use crate::run::{Direction, by_friction};
@@ -137,6 +141,34 @@ fn on_the_verge(lab: &mut Lab<'_>) -> Result<(), Stop> {
 }
 
 fn central_path(lab: &mut Lab<'_>) -> Result<(), Stop> {
-    lab.open("(d) dz/dq of w = z + q, w z = tau", "smoothed derivatives are not offered");
+    for q in [-2.0, -0.1, 0.1, 2.0] {
+        for tau in [1e-6_f64, 1e-3, 0.2] {
+            let exact = -0.5 * (1.0 - q / f64::sqrt(q * q + 4.0 * tau));
+            let title = format!("(d) q = {q}, tau = {tau:e}: dz/dq");
+            lab.near(title, softened(lab, q, tau)?, exact, 1e-10);
+        }
+    }
     Ok(())
+}
+
+/// dz/dq of w = z + q, w z = τ: a body of 1 kg at the speed q before a wall, z its impulse. The problem's own
+/// energy is q².
+fn softened(lab: &Lab<'_>, q: f64, tau: f64) -> Result<f64, Stop> {
+    let along = Vector3::new(1.0, 0.0, 0.0);
+    let row = Row {
+        bodies: [NO_BODY, 0],
+        jacobian: [Vector3::zeros(), along],
+        rhs: 0.0,
+        compliance: 0.0,
+        law: Law::Unilateral,
+    };
+    let (mass, momentum) = (vec![Vector3::repeat(1.0)], vec![q * along]);
+    let problem = Lcp { mass, momentum, rows: vec![row] };
+    let (mut solution, _) =
+        solve_checked(lab.solver(), &problem, None, &mut Scratch::default(), 1e-10)?;
+    let mode = GradientMode::Smoothed { kappa: tau / (q * q) };
+    mode.prepare_solution(&problem, &mut solution).map_err(DiffError::from)?;
+    let (bar, _) =
+        lcp_vjp(&problem, &solution, &[Vector3::zeros()], Some(&[1.0])).map_err(DiffError::from)?;
+    Ok(bar.momentum[0].x)
 }
