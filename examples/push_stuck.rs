@@ -1,8 +1,6 @@
 //! Which constant push moves a box by 1 m in 2 s, beginning with one that does not move it at all?
-//!
-//! Up to 4.9 N friction holds the box: the loss is flat, its exact gradient zero. A smoothed gradient
-//! feels that the box is about to slip. Prints the push and where the box comes to, round by round, and
-//! what both gradients say.
+//! Up to 4.9 N friction holds the box, and the exact gradient is zero; a smoothed one feels that it is about
+//! to slip. Prints the push, where the box comes to and both gradients, round by round.
 
 #![expect(clippy::print_stdout, reason = "an example prints what it found")]
 
@@ -15,7 +13,6 @@ const STEPS: usize = 100;
 const GOAL: f64 = 1.0;
 const RATE: f64 = 0.2;
 
-/// The derivative of (x − goal)² by the push.
 fn slope(scene: &Scene, run: &Rollout) -> Result<f64, tangency::diff::DiffError> {
     let found = gradient(scene, run, |k, state| {
         let mut seed = StateVector::like(state);
