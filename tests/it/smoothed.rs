@@ -233,6 +233,7 @@ fn every_derivative_of_a_tape_is_smoothed() {
     }
 }
 
+#[cfg(feature = "parallel")]
 #[test]
 fn batches_are_smoothed() {
     use tangency::batch::{Batch, Controls};
