@@ -194,12 +194,15 @@ impl Rate<'_> {
 }
 
 /// The change of the accelerations of a slope, and of the forces of its islands' rows.
+type SlopeChange = (Vec<Vector3<f64>>, Vec<Vec<f64>>);
+
+/// The change of a slope along a direction.
 fn slope_jvp(
     context: &RowContext<'_>,
     middle: f64,
     slope: &Slope,
     along: &Direction<'_>,
-) -> Result<(Vec<Vector3<f64>>, Vec<Vec<f64>>), DiffError> {
+) -> Result<SlopeChange, DiffError> {
     let scene = context.scene;
     let force = momentum::jvp(context, middle, along);
     let bound = bodies_with_rows(scene, &slope.islands);
