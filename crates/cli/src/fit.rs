@@ -105,9 +105,9 @@ pub fn run(arguments: &Arguments, console: &Console) -> Result<(), Failure> {
     let folder = arguments.out.clone().unwrap_or_else(|| default_folder(&arguments.scene));
     fs::create_dir_all(&folder)
         .map_err(|source| Failure::Write { file: folder.clone(), source })?;
-    write_iterations(&folder.join("iterations.csv"), &parameters, &trace)?;
+    write_iterations(&folder.join("iterations.csv"), parameters, &trace)?;
     let [svg, png] = plot::save(&loss_curve(&trace), &folder.join("loss"))?;
-    write_result(&folder.join("fitted.json"), &parameters, &trace)?;
+    write_result(&folder.join("fitted.json"), parameters, &trace)?;
     let best = best(&trace);
     write_replay(&folder.join("replay.html"), &objective, &observed, &best.values)?;
 

@@ -152,7 +152,7 @@ fn whole_motion(found: Vec<control::Iterate>) -> Vec<Iterate> {
 }
 
 /// Tells iterates of the whole motion.
-fn told<'a>(watch: Watch<'a>) -> impl FnMut(&control::Iterate) + 'a {
+fn told(watch: Watch<'_>) -> impl FnMut(&control::Iterate) + '_ {
     move |iterate| watch(&Iterate::of(iterate))
 }
 
