@@ -61,25 +61,12 @@ const STEPS: usize = 50;
 
 fn ratios(engine: &Tangency, patience: &Patience) -> Result<Vec<Check>, Refusal> {
     let single = scenes::race_stack(3);
-    let copies = compare(engine, &single, &copies(&single, 32), patience)?;
+    let copies = compare(engine, &single, &scenes::copies(&single, 32, 100.0), patience)?;
     let littered = compare(engine, &single, &littered(&single, 5000), patience)?;
     Ok(vec![
         Check::at_most("32 distant copies of a stack over 32 single ones", copies / 32.0, 1.3),
         Check::at_most("5000 static bodies out of reach over none", littered, 1.2),
     ])
-}
-
-/// A scene beside itself, 100 m apart, on the same floor.
-fn copies(def: &SceneDef, count: usize) -> SceneDef {
-    let mut all = SceneDef { bodies: def.bodies[..1].to_vec(), ..def.clone() };
-    for k in 0..count {
-        all.bodies.extend(def.bodies[1..].iter().map(|body| BodyDef {
-            name: format!("{} {k}", body.name),
-            position: [body.position[0] + 100.0 * k as f64, body.position[1]],
-            ..body.clone()
-        }));
-    }
-    all
 }
 
 /// The scene with static blocks far above it.

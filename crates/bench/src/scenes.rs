@@ -26,7 +26,8 @@ mod tight;
 
 pub use billiard::billiard;
 pub use bodies::{
-    block, disc, fixed_block, floor, hinge, material, plane, rod, slender_inertia, unit_scene,
+    block, copies, disc, fixed_block, floor, hinge, material, plane, rod, slender_inertia,
+    unit_scene,
 };
 pub use bounce::{bank_shot, between_discs, pursuit, pushed_pair, thrown_down};
 pub use bullet::{bullet, spin_up};

@@ -65,61 +65,45 @@ pub fn fit(
     settings: &Settings,
     watch: Watch<'_>,
 ) -> Result<Vec<Iterate>, Failure> {
-    match method {
-        Method::GradientDescent => gradient_descent(objective, observed, start, settings, watch),
-        Method::Lbfgs => lbfgs(objective, observed, start, settings, watch),
-        Method::GaussNewton if settings.continuation => {
-            continued_gauss_newton(objective, observed, start, settings, watch)
-        }
-        Method::GaussNewton => gauss_newton(objective, observed, start, settings, watch),
+    if method == Method::GaussNewton && settings.continuation {
+        continued_gauss_newton(objective, observed, start, settings, watch)
+    } else {
+        search(objective, observed, start, method, settings, watch)
     }
-}
-
-/// p ← p − rate · clip(gradient).
-fn gradient_descent(
-    objective: &Objective<'_>,
-    observed: &Observations,
-    start: &[f64],
-    settings: &Settings,
-    watch: Watch<'_>,
-) -> Result<Vec<Iterate>, Failure> {
-    let Settings { rate, clip, iterations, .. } = *settings;
-    let mut fit = Fit { objective, observed, loss: Loss::Observed(observed.clone()) };
-    let method = GradientDescent { rate, clip, iterations };
-    Ok(whole_motion(method.minimise(&mut fit, start, &mut told(watch))?))
-}
-
-/// Limited-memory BFGS.
-fn lbfgs(
-    objective: &Objective<'_>,
-    observed: &Observations,
-    start: &[f64],
-    settings: &Settings,
-    watch: Watch<'_>,
-) -> Result<Vec<Iterate>, Failure> {
-    let mut fit = Fit { objective, observed, loss: Loss::Observed(observed.clone()) };
-    let (bounds, iterations) = (bounds(objective.parameters), settings.iterations);
-    let method = control::Lbfgs { bounds, iterations, memory: MEMORY };
-    let found = method.minimise(&mut fit, start, &mut told(watch));
-    found.map(whole_motion).map_err(|error| named(error, objective.parameters))
 }
 
 /// Pairs that L-BFGS remembers.
 const MEMORY: usize = 10;
 
-/// Levenberg and Marquardt's damped Gauss–Newton.
-fn gauss_newton(
+/// One search over the whole motion.
+fn search(
     objective: &Objective<'_>,
     observed: &Observations,
     start: &[f64],
+    method: Method,
     settings: &Settings,
     watch: Watch<'_>,
 ) -> Result<Vec<Iterate>, Failure> {
     let mut fit = Fit { objective, observed, loss: Loss::Observed(observed.clone()) };
-    let (bounds, iterations) = (bounds(objective.parameters), settings.iterations);
-    let method = control::GaussNewton { bounds, iterations };
-    let found = method.minimise(&mut fit, start, &mut told(watch));
-    found.map(whole_motion).map_err(|error| named(error, objective.parameters))
+    let Settings { rate, clip, iterations, .. } = *settings;
+    let bounds = bounds(objective.parameters);
+    let tell = &mut |iterate: &control::Iterate| watch(&Iterate::of(iterate));
+    let found = match method {
+        Method::GradientDescent => {
+            let method = GradientDescent { rate, clip, iterations };
+            method.minimise(&mut fit, start, tell).map_err(SearchError::Objective)
+        }
+        Method::Lbfgs => {
+            let method = control::Lbfgs { bounds, iterations, memory: MEMORY };
+            method.minimise(&mut fit, start, tell)
+        }
+        Method::GaussNewton => {
+            let method = control::GaussNewton { bounds, iterations };
+            method.minimise(&mut fit, start, tell)
+        }
+    };
+    let found = found.map_err(|error| named(error, objective.parameters))?;
+    Ok(found.iter().map(Iterate::of).collect())
 }
 
 /// What is fitted to what.
@@ -144,16 +128,6 @@ impl LeastSquares for Fit<'_> {
     fn linearise(&mut self, values: &[f64]) -> Result<Residuals, Failure> {
         self.objective.linearise(self.observed, values)
     }
-}
-
-/// Iterates of the whole motion.
-fn whole_motion(found: Vec<control::Iterate>) -> Vec<Iterate> {
-    found.into_iter().map(|iterate| Iterate::of(&iterate)).collect()
-}
-
-/// Tells iterates of the whole motion.
-fn told(watch: Watch<'_>) -> impl FnMut(&control::Iterate) + '_ {
-    move |iterate| watch(&Iterate::of(iterate))
 }
 
 impl Iterate {
@@ -201,7 +175,7 @@ fn must_be_positive(parameter: &Parameter) -> bool {
     POSITIVE.contains(&quantity)
 }
 
-/// The same, first for the beginning of the motion and then for longer and longer parts.
+/// Gauss–Newton, first for the beginning of the motion and then for longer and longer parts.
 ///
 /// Over a long time the loss has many minima, because the motion after an impact is chaotic; over
 /// a short time it has one, and the one found there is a start for the next.
@@ -225,7 +199,7 @@ fn continued_gauss_newton(
         }
         let rough = Settings { iterations: left.min(ROUGH_ITERATIONS), ..*settings };
         let share = seen.end() / observed.end();
-        let found = gauss_newton(&part, &seen, &values, &rough, &mut |_| ())?;
+        let found = search(&part, &seen, &values, Method::GaussNewton, &rough, &mut |_| ())?;
         if found.len() > 2 {
             left -= (found.len() - 1).min(left);
             for iterate in found {
@@ -237,7 +211,7 @@ fn continued_gauss_newton(
         }
     }
     let rest = Settings { iterations: left, ..*settings };
-    trace.extend(gauss_newton(objective, observed, &values, &rest, watch)?);
+    trace.extend(search(objective, observed, &values, Method::GaussNewton, &rest, watch)?);
     Ok(trace)
 }
 

@@ -9,7 +9,8 @@
 
 use tangency_lcp::LcpSolver;
 
-use crate::{Rollout, Scene, State, StepError, StepRecord, StepScratch, next_step, step};
+use crate::step::advance;
+use crate::{Rollout, Scene, State, StepError, StepRecord, StepScratch};
 
 /// A run of which few records are kept. See [`checkpointed_rollout`].
 #[derive(Clone, Debug, PartialEq)]
@@ -58,11 +59,9 @@ pub fn checkpointed_rollout_in(
     let mut before: Option<StepRecord> = None;
     for k in 0..steps {
         let last = before.as_ref().or(run.records.last());
-        let u = control(k, last.map_or(&run.initial, |record| &record.after));
-        let record = match last {
-            Some(last) => next_step(scene, solver, last, &u, scratch)?,
-            None => step(scene, solver, &run.initial, &u, scratch)?,
-        };
+        let state = last.map_or(&run.initial, |record| &record.after);
+        let u = control(k, state);
+        let record = advance(scene, solver, state, last, &u, scratch)?;
         run.controls.push(u);
         run.residual = run.residual.max(record.residual());
         if let Some(before) = before.take() {

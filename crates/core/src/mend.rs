@@ -69,16 +69,16 @@ fn evaluate(record: &StepRecord, loose: Vec<bool>, scratch: &mut StepScratch) ->
         Some(last) => stopped(&last.slow, scratch),
         None => Vec::new(),
     };
-    let marked = pressed(record, scratch);
+    let marked = if record.motion.flows() && !record.contacts.is_empty() {
+        pressed(record, scratch.flags.take())
+    } else {
+        Vec::new()
+    };
     PostRecord { moved, contacts, loose, slow, marked, islands: Vec::new() }
 }
 
-/// Which contacts pressed in a flow; empty for other motions.
-pub(crate) fn pressed(record: &StepRecord, scratch: &mut StepScratch) -> Vec<bool> {
-    if !record.motion.flows() || record.contacts.is_empty() {
-        return Vec::new();
-    }
-    let mut pressed = scratch.flags.take();
+/// Which contacts pressed in a flow, in memory that is used again.
+pub(crate) fn pressed(record: &StepRecord, mut pressed: Vec<bool>) -> Vec<bool> {
     pressed.resize(record.contacts.len(), false);
     for island in record.problems() {
         for (row, source) in island.sources.iter().enumerate() {

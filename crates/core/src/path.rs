@@ -65,7 +65,7 @@ pub(crate) struct Path<'a> {
     pub(crate) from: &'a State,
     /// The flow.
     pub(crate) flow: &'a StepRecord,
-    /// Which of its contacts cannot open.
+    /// Which of a smooth flow's contacts cannot open; empty of other flows, of which none can.
     held: Vec<bool>,
     /// Of a smooth flow how fast bodies accelerate, at least about.
     rates: Vec<Vector3<f64>>,
@@ -74,8 +74,8 @@ pub(crate) struct Path<'a> {
 impl<'a> Path<'a> {
     pub(crate) fn new(scene: &'a Scene, from: &'a State, flow: &'a StepRecord) -> Self {
         let held = match flow.motion {
-            Motion::Smooth => pressed(flow, &mut StepScratch::default()),
-            _ => vec![true; flow.contacts.len()],
+            Motion::Smooth => pressed(flow, Vec::new()),
+            _ => Vec::new(),
         };
         let smooth = flow.smooth.as_ref();
         let rates = smooth.map_or_else(Vec::new, |smooth| smooth.slopes[0].rates());
@@ -162,8 +162,8 @@ impl Path<'_> {
     fn ahead(&self, state: &State, contact: &Contact) -> Ahead {
         const NEVER: Ahead = Ahead::Free { within: f64::INFINITY };
         let id = contact.feature.id;
-        let mut held = self.flow.contacts.iter().zip(&self.held);
-        if held.any(|(resting, held)| *held && resting.feature.id == id) {
+        let resting = self.flow.contacts.iter().position(|resting| resting.feature.id == id);
+        if resting.is_some_and(|index| self.held.get(index).is_none_or(|held| *held)) {
             return NEVER;
         }
         let context = RowContext::of(self.scene, state, &[], self.scene.dt);

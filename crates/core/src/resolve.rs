@@ -6,8 +6,8 @@
 //!
 //! Each flow ends where the first gap is zero, to rounding (smooth flows also where forces jump or change
 //! their law, see [`crate::event`]); then the same problem without forces and duration gives the velocities
-//! after an impact. Where velocities contradict a joint, or a resting
-//! contact, they first meet what it asks for, by an impact that has no time of its own.
+//! after an impact. Where velocities contradict a joint, or a resting contact, they first meet what it asks
+//! for, by an impact that has no time of its own.
 
 use tangency_collision::Contact;
 use tangency_lcp::LcpSolver;

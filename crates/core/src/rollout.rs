@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use tangency_lcp::LcpSolver;
 
-use crate::{Scene, State, StepError, StepRecord, StepScratch, next_step, step};
+use crate::step::advance;
+use crate::{Scene, State, StepError, StepRecord, StepScratch};
 
 /// A run: the state it began in and what every step produced.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -44,10 +45,8 @@ impl Rollout {
         control: &[f64],
         scratch: &mut StepScratch,
     ) -> Result<(), StepError> {
-        let record = match self.records.last().or(before) {
-            Some(before) => next_step(scene, solver, before, control, scratch)?,
-            None => step(scene, solver, &self.initial, control, scratch)?,
-        };
+        let before = self.records.last().or(before);
+        let record = advance(scene, solver, self.last(), before, control, scratch)?;
         self.records.push(record);
         Ok(())
     }

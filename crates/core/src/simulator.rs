@@ -2,7 +2,8 @@
 
 use tangency_lcp::LcpSolver;
 
-use crate::{Scene, State, StepError, StepRecord, StepScratch, next_step, step};
+use crate::step::advance;
+use crate::{Scene, State, StepError, StepRecord, StepScratch};
 
 /// A run that keeps its last step only: memory stays flat, and after a few steps nothing is allocated.
 pub struct Simulator<'a> {
@@ -44,10 +45,9 @@ impl<'a> Simulator<'a> {
     /// As [`step`]; the run stays where it was.
     pub fn step(&mut self, control: &[f64]) -> Result<&StepRecord, StepError> {
         let scratch = &mut self.scratch;
-        let record = match &self.last {
-            Some(before) => next_step(self.scene, self.solver, before, control, scratch)?,
-            None => step(self.scene, self.solver, &self.initial, control, scratch)?,
-        };
+        let before = self.last.as_ref();
+        let state = before.map_or(&self.initial, |before| &before.after);
+        let record = advance(self.scene, self.solver, state, before, control, scratch)?;
         if let Some(before) = self.last.take() {
             self.scratch.recycle(before);
         }

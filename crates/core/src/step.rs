@@ -56,7 +56,8 @@ pub fn next_step(
     advance(scene, solver, &before.after, Some(before), control, scratch)
 }
 
-fn advance(
+/// The step from `state`, which `before` left if there was a step before.
+pub(crate) fn advance(
     scene: &Scene,
     solver: &dyn LcpSolver,
     state: &State,

@@ -9,8 +9,9 @@
 //!  u above that        it leaves, and may come back within the step
 //! ```
 //!
-//! (of smooth flows nothing rests that has a speed: u = 0, or it leaves.) A ball that leaves at u takes 2 u/(a (1 − e)) for all the bounces that are left: what would come to
-//! rest within the length of a step rests at once, so that none of infinitely many impacts is missed.
+//! (In smooth flows nothing rests that has a speed: u = 0, or it leaves.) A ball that leaves at u takes
+//! 2 u/(a (1 − e)) for all the bounces that are left: what would come to rest within the length of a step
+//! rests at once, so that none of infinitely many impacts is missed.
 
 use nalgebra::Vector3;
 use tangency_collision::Contact;

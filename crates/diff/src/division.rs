@@ -1,7 +1,8 @@
 //! Derivatives of steps that impacts divide.
 //!
 //! The part before an event is a flow F(x, τ) whose length obeys g(F(x, τ)) = 0 (g a gap, or whatever tells
-//! the time, see [`Event`]), the last part lasts for dt − Σ τ. With x̄ the gradient by the state that hits and l̄ that by the length of the last part,
+//! the time, see [`Event`]), the last part lasts for dt − Σ τ. With x̄ the gradient by the state that hits and l̄
+//! that by the length of the last part,
 //!
 //! ```text
 //!  dτ = −(∂g·dF + g_p dp)/ġ           ġ = ∂g·F_τ           dx = dF + F_τ dτ

@@ -35,6 +35,8 @@ pub trait LcpSolver: Send + Sync {
 const WARM_FLIPS: u32 = 8;
 /// Natural residual at which a guess counts as confirmed.
 const WARM_TARGET: f64 = 1e-12;
+/// The same where rows depend on each other, if the tolerance is not smaller.
+const WARM_DEPENDENT: f64 = 1e-10;
 
 /// Solves and judges: the solution with its natural residual, which is at most `tolerance`.
 ///
@@ -136,7 +138,7 @@ fn warm(
     let mut found = polish.modes(&guess.modes, start, scratch);
     found.solution.stats.method = Method::Warm;
     let dependent = found.solution.system.as_ref().is_some_and(|it| it.rank_defect() > 0);
-    if polish.reached(&found) || (dependent && found.max() <= tolerance) {
+    if polish.reached(&found) || (dependent && found.max() <= tolerance.min(WARM_DEPENDENT)) {
         return Some(found);
     }
     scratch.recycle(found.solution);

@@ -77,3 +77,18 @@ pub fn material(mut def: SceneDef, friction: f64, restitution: f64) -> SceneDef 
     }
     def
 }
+
+/// What a scene's bodies stand on, its first one, and so many copies of all others, `apart` metres from each
+/// other along x.
+#[must_use]
+pub fn copies(def: &SceneDef, count: usize, apart: f64) -> SceneDef {
+    let mut all = SceneDef { bodies: def.bodies[..1].to_vec(), ..def.clone() };
+    for k in 0..count {
+        all.bodies.extend(def.bodies[1..].iter().map(|body| BodyDef {
+            name: format!("{} {k}", body.name),
+            position: [body.position[0] + apart * k as f64, body.position[1]],
+            ..body.clone()
+        }));
+    }
+    all
+}
