@@ -42,7 +42,7 @@ impl<'a> Simulator<'a> {
     /// One step under `control`, one number per channel.
     ///
     /// # Errors
-    /// As [`step`]; the run stays where it was.
+    /// As [`next_step`](crate::next_step); the run stays where it was.
     pub fn step(&mut self, control: &[f64]) -> Result<&StepRecord, StepError> {
         let scratch = &mut self.scratch;
         let before = self.last.as_ref();
