@@ -116,6 +116,11 @@ impl Batch {
         &self.environments[environment].scene
     }
 
+    /// The scenes of all environments, in their order; those that were never changed are one.
+    pub fn scenes(&self) -> impl ExactSizeIterator<Item = &Arc<Scene>> {
+        self.environments.iter().map(|environment| &environment.scene)
+    }
+
     /// The state that an environment has come to.
     ///
     /// # Panics

@@ -1,0 +1,56 @@
+//! The native half of the Python package `tangency`: every function converts, calls the engine, and
+//! converts back. What users see is described in `python/tangency`.
+
+#![expect(clippy::needless_pass_by_value, reason = "what comes from Python was made for the call")]
+
+mod arrays;
+mod batch;
+mod controls;
+mod errors;
+mod gradient;
+mod impulse;
+mod lcp;
+mod plan;
+mod plan_callbacks;
+mod report;
+mod rollout;
+mod rollouts;
+mod scene;
+mod seeds;
+mod simulator;
+mod solver;
+mod state;
+mod step_jacobian;
+mod threads;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::batch::Batch;
+    #[pymodule_export]
+    use crate::errors::{GradientError, PlanError, SceneError, SolveError, StepError};
+    #[pymodule_export]
+    use crate::gradient::{Gradient, GradientBatch};
+    #[pymodule_export]
+    use crate::impulse::Impulse;
+    #[pymodule_export]
+    use crate::lcp::{LcpSolution, solve_lcp};
+    #[pymodule_export]
+    use crate::plan::{Plan, plan};
+    #[pymodule_export]
+    use crate::report::GradientReport;
+    #[pymodule_export]
+    use crate::rollout::{Rollout, rollout};
+    #[pymodule_export]
+    use crate::rollouts::Rollouts;
+    #[pymodule_export]
+    use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::simulator::Simulator;
+    #[pymodule_export]
+    use crate::solver::backends;
+    #[pymodule_export]
+    use crate::step_jacobian::StepJacobian;
+}

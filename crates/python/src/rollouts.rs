@@ -1,0 +1,183 @@
+//! Runs of a batch, and their derivatives, over all cores.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use numpy::{IntoPyArray, PyArray1, PyArray4, PyArrayMethods};
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+use rayon::prelude::*;
+use tangency::diff::DiffError;
+use tangency::{State, StateVector};
+
+use crate::arrays::Numbers;
+use crate::errors;
+use crate::gradient::GradientBatch;
+use crate::report::GradientReport;
+use crate::rollout::direction;
+use crate::scene::Scene;
+use crate::seeds::{self, Bars};
+use crate::threads;
+
+/// Runs of all environments of a batch, all of the same number of steps.
+#[pyclass(frozen, module = "tangency")]
+pub(crate) struct Rollouts {
+    scene: Py<Scene>,
+    scenes: Vec<Arc<tangency::Scene>>,
+    runs: Vec<tangency::Rollout>,
+    #[pyo3(get)]
+    steps: usize,
+    #[pyo3(get)]
+    kappa: Option<f64>,
+}
+
+/// Two arrays of (environments, steps + 1, bodies, 3).
+type Pair<'py> = (Bound<'py, PyArray4<f64>>, Bound<'py, PyArray4<f64>>);
+
+impl Rollouts {
+    pub(crate) fn new(
+        scene: Py<Scene>,
+        scenes: Vec<Arc<tangency::Scene>>,
+        runs: Vec<tangency::Rollout>,
+        steps: usize,
+        kappa: Option<f64>,
+    ) -> Self {
+        Self { scene, scenes, runs, steps, kappa }
+    }
+
+    fn shape(&self) -> [usize; 4] {
+        [self.runs.len(), self.steps + 1, self.scene.get().scene.bodies().len(), 3]
+    }
+
+    fn table<'a, 'py>(
+        &self,
+        py: Python<'py>,
+        lists: impl Iterator<Item = &'a [nalgebra::Vector3<f64>]>,
+    ) -> PyResult<Bound<'py, PyArray4<f64>>> {
+        let mut values = Vec::with_capacity(self.shape().iter().product());
+        lists.for_each(|list| values.extend(list.iter().flat_map(|v| [v.x, v.y, v.z])));
+        values.into_pyarray(py).reshape(self.shape())
+    }
+
+    fn states(&self) -> impl Iterator<Item = &State> {
+        self.runs.iter().flat_map(tangency::Rollout::states)
+    }
+}
+
+/// One entry of an array whose first dimension is the environments.
+fn row(given: Option<&Numbers>, k: usize, count: usize) -> Option<Numbers> {
+    let Numbers { shape, values } = given?;
+    let size = values.len() / count.max(1);
+    let part = values[k * size..(k + 1) * size].to_vec();
+    Some(Numbers { shape: shape.get(1..).unwrap_or_default().to_vec(), values: part })
+}
+
+#[pymethods]
+impl Rollouts {
+    #[getter]
+    fn scene<'py>(&self, py: Python<'py>) -> Bound<'py, Scene> {
+        self.scene.bind(py).clone()
+    }
+
+    fn __len__(&self) -> usize {
+        self.runs.len()
+    }
+
+    #[getter]
+    fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f64>>> {
+        self.table(py, self.states().map(|state| &state.q[..]))
+    }
+
+    #[getter]
+    fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray4<f64>>> {
+        self.table(py, self.states().map(|state| &state.v[..]))
+    }
+
+    /// Worst residual per environment.
+    #[getter]
+    fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        self.runs.iter().map(tangency::Rollout::residual).collect::<Vec<_>>().into_pyarray(py)
+    }
+
+    #[pyo3(signature = (q = None, v = None, *, wrt = Vec::new()))]
+    fn gradient(
+        &self,
+        py: Python<'_>,
+        q: Option<Numbers>,
+        v: Option<Numbers>,
+        wrt: Vec<String>,
+    ) -> PyResult<GradientBatch> {
+        self.scene.get().parameters(&wrt)?;
+        let [count, _, bodies, _] = self.shape();
+        let q = Bars::read("q", q, &[count], self.steps, bodies)?;
+        let v = Bars::read("v", v, &[count], self.steps, bodies)?;
+        let one = |k: usize| {
+            let add = |step, _: &State, bar: &mut StateVector| seeds::add(&q[k], &v[k], step, bar);
+            tangency::gradient_adding(&self.scenes[k], &self.runs[k], add)
+        };
+        let found: Vec<Result<_, DiffError>> =
+            threads::side_by_side(py, || (0..count).into_par_iter().map(one).collect())?;
+        let (mut by, mut reports) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for (k, found) in found.into_iter().enumerate() {
+            let found =
+                found.map_err(|error| errors::gradient(format!("environment {k}: {error}")))?;
+            let report = GradientReport::new(&self.scenes[k], &self.runs[k], &found.report);
+            by.push(found.by);
+            reports.push(Py::new(py, report)?);
+        }
+        Ok(GradientBatch { scenes: self.scenes.clone(), by, wrt, reports })
+    }
+
+    /// The change of all states along one direction per environment.
+    #[pyo3(signature = (*, q0 = None, v0 = None, controls = None, values = None))]
+    fn tangent<'py>(
+        &self,
+        py: Python<'py>,
+        q0: Option<Numbers>,
+        v0: Option<Numbers>,
+        controls: Option<Numbers>,
+        values: Option<BTreeMap<String, Numbers>>,
+    ) -> PyResult<Pair<'py>> {
+        let [count, _, bodies, _] = self.shape();
+        let channels = self.scene.get().scene.controls().len();
+        for (what, given) in [("q0", &q0), ("v0", &v0)] {
+            let Some(given) = given else { continue };
+            given.expect(what, "(environments, bodies, 3)", &[count, bodies, 3])?;
+        }
+        if let Some(given) = &controls {
+            let shape = [count, self.steps, channels];
+            given.expect("controls", "(environments, steps, channels)", &shape)?;
+        }
+        let values = values.unwrap_or_default();
+        for (name, rates) in &values {
+            rates.expect(name, "(environments,)", &[count])?;
+        }
+        let along = |k: usize| {
+            let part = |given: &Option<Numbers>| row(given.as_ref(), k, count);
+            let rates =
+                values.iter().map(|(name, rates)| (name.clone(), rates.values[k])).collect();
+            direction(&self.scenes[k], self.steps, part(&q0), part(&v0), part(&controls), &rates)
+        };
+        let along: Vec<_> = (0..count).map(along).collect::<PyResult<_>>()?;
+        let one = |k: usize| tangency::tangent(&self.scenes[k], &self.runs[k], &along[k]);
+        let found: Result<Vec<Vec<StateVector>>, DiffError> =
+            threads::side_by_side(py, || (0..count).into_par_iter().map(one).collect())?;
+        let found = found.map_err(errors::gradient)?;
+        let q = self.table(py, found.iter().flatten().map(|change| &change.q[..]))?;
+        let v = self.table(py, found.iter().flatten().map(|change| &change.v[..]))?;
+        Ok((q, v))
+    }
+
+    /// The scene of one environment's run with the numbers that it had.
+    fn value(&self, name: &str, environment: usize) -> PyResult<f64> {
+        let count = self.runs.len();
+        let none = || PyIndexError::new_err(format!("there are {count} environments"));
+        let scene = self.scenes.get(environment).ok_or_else(none)?;
+        Ok(tangency::Parameter::parse(scene, name).map_err(errors::scene)?.value(scene))
+    }
+
+    fn __repr__(&self) -> String {
+        let [count, _, bodies, _] = self.shape();
+        format!("<tangency.Rollouts: {count} runs of {} steps of {bodies} bodies>", self.steps)
+    }
+}
