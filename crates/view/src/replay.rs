@@ -1,8 +1,8 @@
 //! The replay page: one HTML file that plays runs of a scene on a canvas, without a network.
 
 use serde::{Serialize, Serializer};
-use tangency::measure::Measure;
-use tangency::{BodyKind, Joint, JointDef, JointKind, Scene, Shape};
+use tangency_core::measure::Measure;
+use tangency_core::{BodyKind, Joint, JointDef, JointKind, Scene, Shape};
 
 use crate::{Frame, Push, Run};
 
@@ -23,7 +23,9 @@ pub fn replay_html(title: &str, scene: &Scene, runs: &[Run]) -> String {
     TEMPLATE.replace("@TITLE@", &escape_html(title)).replace("@DATA@", &data.replace("</", "<\\/"))
 }
 
-pub(crate) fn escape_html(text: &str) -> String {
+/// A text as it stands between tags.
+#[must_use]
+pub fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
@@ -196,7 +198,7 @@ fn corners(shape: &Shape) -> Vec<[f64; 2]> {
                 .into()
         }
         Shape::Polygon { points } => {
-            tangency::collision::convex_hull(points).into_iter().map(|i| points[i]).collect()
+            tangency_collision::convex_hull(points).into_iter().map(|i| points[i]).collect()
         }
         Shape::Circle { .. } | Shape::Capsule { .. } | Shape::HalfPlane { .. } => Vec::new(),
     }
