@@ -85,7 +85,7 @@ def _take_bricks(coloured: Mask) -> Mask:
     """Bricks, which fill all of their places; takes them away from what is coloured."""
     first = FIRST_BRICK - TOP
     wall = coloured[first : first + ROWS * BRICK[1]].reshape(ROWS, BRICK[1], COLUMNS, BRICK[0])
-    bricks: Mask = wall.all(axis=(1, 3))
+    bricks: Mask = np.all(wall, axis=(1, 3))
     wall &= ~bricks[:, None, :, None]  # a view
     return bricks
 
@@ -112,7 +112,7 @@ def _ball(coloured: Mask) -> tuple[float, float] | None:
     rows, columns = np.flatnonzero(coloured.any(axis=1)), np.flatnonzero(coloured.any(axis=0))
     if not rows.size:
         return None
-    left, right, top, end = columns[0], columns[-1] + 1, rows[0], rows[-1] + 1
+    left, right, top, end = int(columns[0]), int(columns[-1]) + 1, int(rows[0]), int(rows[-1]) + 1
     if right - left > BALL[0] or end - top > BALL[1]:
         return None
     return LEFT + (left + right) / 2.0, TOP + (top + end) / 2.0

@@ -2,15 +2,26 @@
 
 from __future__ import annotations
 
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
-from ale_py import Action, ALEInterface, LoggerMode, roms
+from ale_py import ALEInterface, LoggerMode, roms
 
-__all__ = ["ACTIONS", "HIGHEST", "Game", "Image"]
+__all__ = ["ACTIONS", "HIGHEST", "Action", "Game", "Image"]
 
 Image = npt.NDArray[np.uint8]
+
+
+class Action(IntEnum):
+    """What the game understands, as the Arcade Learning Environment numbers it; FIRE serves."""
+
+    NOOP = 0
+    FIRE = 1
+    RIGHT = 3
+    LEFT = 4
+
 
 ACTIONS = {-1: Action.LEFT, 0: Action.NOOP, 1: Action.RIGHT}
 """By the direction of the push."""
@@ -42,7 +53,7 @@ class Game:
     @property
     def over(self) -> bool:
         """Whether all five lives are lost, or nothing is left to hit."""
-        return self._ale.game_over() or self.score >= HIGHEST
+        return bool(self._ale.game_over()) or self.score >= HIGHEST
 
     @property
     def lives(self) -> int:
@@ -56,5 +67,5 @@ class Game:
 
     def act(self, action: Action) -> None:
         """Goes on by a frame."""
-        self.score += int(self._ale.act(action))
+        self.score += int(self._ale.act(int(action)))
         self.frames += 1

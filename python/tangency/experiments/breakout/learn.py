@@ -12,11 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from ale_py import Action
 
 import tangency
 from tangency.experiments.breakout.frames import LEFT, RIGHT, see
-from tangency.experiments.breakout.game import ACTIONS, Game
+from tangency.experiments.breakout.game import ACTIONS, Action, Game
 from tangency.experiments.breakout.model import WIDTHS, Numbers, scene
 
 __all__ = ["START", "Experience", "learn", "random_play"]

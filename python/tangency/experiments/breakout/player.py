@@ -10,14 +10,19 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from ale_py import Action
+import numpy.typing as npt
 
 import tangency
 from tangency.experiments.breakout.frames import LEFT, PADDLE_ROW, RIGHT, Sight, see
-from tangency.experiments.breakout.game import ACTIONS, Game, Image
+from tangency.experiments.breakout.game import ACTIONS, Action, Game, Image
 from tangency.experiments.breakout.model import WIDTHS, Numbers, scene
 
-__all__ = ["Follower", "Planner", "Player", "Random", "play"]
+__all__ = ["Eyes", "Follower", "Planner", "Player", "Random", "play"]
+
+Array = npt.NDArray[np.float64]
+
+LAST_LEFT = RIGHT - 8
+"""Column of the paddle's left edge at the right end of its travel; a wide one is half behind the wall."""
 
 PATIENCE = 12
 """Frames without a ball before serving."""
@@ -33,6 +38,10 @@ REACH = 0.35
 
 BAND = 0.5
 """Part of a full push below which a planned one is none."""
+
+
+_BODIES = scene(1.0)
+_BALL, _PADDLE = _BODIES.body("ball"), _BODIES.body("paddle")
 
 
 class Player(Protocol):
@@ -82,7 +91,8 @@ class Eyes:
 
     def blocked(self, way: float) -> bool:
         """Whether the paddle is at the end of its travel, that way."""
-        return (way < 0.0 and self.center <= LEFT + self.width / 2.0) or (way > 0.0 and self.center >= RIGHT - 8.0 + self.width / 2.0)
+        left = self.center - self.width / 2.0
+        return (way < 0.0 and left <= LEFT) or (way > 0.0 and left >= LAST_LEFT)
 
     @property
     def falling(self) -> bool:
@@ -170,10 +180,10 @@ class Planner:
         state = self._ahead(self._state(), self._pushes[1:])
         falling = self._eyes.falling
         cost = self._cost(falling, self._aim.update(falling, self._eyes.width))
-        lower, upper = self._limits
-        found = plan(self._scene, cost, self._guess, state, lower, upper)
+        found = _plan(self._scene, cost, self._guess, state, self._limits)
         self._guess = np.vstack([found[1:], found[-1:]])
-        part = found[0, 0] / (upper if found[0, 0] > 0.0 else -lower)
+        first = float(found[0, 0])
+        part = first / abs(self._limits[int(first > 0.0)])
         return 0 if abs(part) < BAND or self._eyes.blocked(part) else int(np.sign(part))
 
     @property
@@ -195,7 +205,8 @@ class Planner:
         if not pushes:
             return state
         forces = np.array([[self._numbers.force(push)] for push in pushes])
-        return tangency.rollout(self._scene, len(pushes), forces, state=state).last
+        after: tangency.State = tangency.rollout(self._scene, len(pushes), forces, state=state).last
+        return after
 
     def _cost(self, falling: bool, offset: float) -> tangency.Quadratic:
         """Coordinates are (ball x y θ, paddle x y θ | their rates)."""
@@ -210,25 +221,19 @@ class Planner:
         return cost
 
 
-_BODIES = scene(1.0)
-_BALL, _PADDLE = _BODIES.body("ball"), _BODIES.body("paddle")
-
-
-def plan(
-    model: tangency.Scene, cost: tangency.Quadratic, guess: np.typing.NDArray[np.float64], state: tangency.State,
-    lower: float, upper: float,
-) -> np.typing.NDArray[np.float64]:  # fmt: skip
+def _plan(
+    model: tangency.Scene, cost: tangency.Quadratic, guess: Array, state: tangency.State, limits: tuple[float, float]
+) -> Array:
     """The planned forces, (steps, 1), or the best ones where the search was ended."""
+    lower, upper = limits
     try:
-        found = tangency.plan(
-            model, cost, guess, state=state, lower=lower, upper=upper, max_iterations=20, tolerance=1e-6
-        )
+        found = tangency.plan(model, cost, guess, state=state, lower=lower, upper=upper, max_iterations=20, tolerance=1e-6)
     except tangency.PlanError as error:
         best: tangency.Plan | None = getattr(error, "plan", None)
         if best is None:
             raise
         found = best
-    forces: np.typing.NDArray[np.float64] = found.controls
+    forces: Array = found.controls
     return forces
 
 

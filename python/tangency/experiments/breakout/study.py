@@ -29,7 +29,10 @@ class Setting:
 
 
 QUICK = Setting(counts=(100, 1000), games=4, most_frames=3_000)
-FULL = Setting(counts=(100, 300, 1000, 3000, 10_000), games=20, most_frames=18_000)
+FULL = Setting(counts=(100, 300, 1000, 3000, 10_000), games=20, most_frames=10_800)
+
+EXPERIENCE = 6
+"""Seed of the random play."""
 
 FIRST_GAME = 10_000
 """Seed of the first game; the same games for every player, and none of the experience's."""
@@ -79,10 +82,6 @@ def points(setting: Setting, tell: Callable[[str], None]) -> Iterator[Point]:
         for count in setting.counts:
             numbers, error = learn(random_play(count, seed=EXPERIENCE))
             yield measure("planner", count, numbers, error)
-
-
-EXPERIENCE = 6
-"""Seed of the random play."""
 
 
 def _measure(
