@@ -47,7 +47,7 @@ class Curve:
     Attributes
     ----------
     validation : list of float
-        Mean squared error of places ten frames later (sides²), after every epoch.
+        Mean squared error of places ten frames later (sides²), as training goes on.
     pixels : list of float
         The same of the pixels.
     skipped : int
@@ -94,7 +94,10 @@ def train(
     training: Training,
     tell: Callable[[str], None],
 ) -> Curve:
-    """Adam with a cosine schedule; every batch mixes samples with labels and without, as they come."""
+    """Adam over one cycle of rates; every batch mixes samples with labels and without, as they come.
+
+    Validated some twenty times, at the ends of epochs.
+    """
     rng = np.random.default_rng(training.seed)
     search = torch.optim.Adam(model.parameters(), lr=training.rate)
     steps = training.epochs * (len(samples) // training.batch)
@@ -117,6 +120,8 @@ def train(
             nn.utils.clip_grad_norm_(model.parameters(), 1.0)
             search.step()
             schedule.step()
+        if (epoch + 1) % max(1, training.epochs // 20) and epoch + 1 < training.epochs:
+            continue
         curve.append(evaluate(model, validation))
         tell(f"epoch {epoch + 1}: places {curve[-1][0]:.2e}, pixels {curve[-1][1]:.2e}")
     places, pixels = ([float(it[k]) for it in curve] for k in range(2))
