@@ -36,7 +36,7 @@ fn batches_have_the_same_bits() {
             let tape = rollout(&scene, &*solver, scene.initial_state(), 40, |_, _| vec![push]);
             let tape = tape.expect("a run");
             assert!(tape.records.iter().any(|record| !record.parts.is_empty()));
-            assert!(!tape.records.iter().any(|record| record.fell_back()));
+            assert!(!tape.records.iter().any(tangency::StepRecord::fell_back));
             (tape.last().clone(), of_all_states(&scene, &tape))
         });
         let mut batch = Batch::new(scene.clone(), 3, solver);
