@@ -31,8 +31,13 @@ class Setting:
     width: float
     """Of the networks, as a share of VGG-11's."""
 
+    @property
+    def runs(self) -> int:
+        """How many trainings there are."""
+        return len(self.discs) * sum(2 if share == 1.0 else 4 for share in self.shares)
 
-QUICK = Setting(discs=(1,), trials=(256, 64, 64), shares=(1.0,), epochs=6, size=32, width=0.0625)
+
+QUICK = Setting(discs=(1,), trials=(512, 128, 128), shares=(1.0,), epochs=20, size=32, width=0.0625)
 MEDIUM = Setting((1, 3), (2000, 300, 300), (1.0, 0.25, 0.1, 0.02), epochs=20, size=32, width=0.125)
 FULL = Setting((1, 3), (8000, 1000, 1000), (1.0, 0.25, 0.1, 0.02), epochs=60, size=64, width=0.25)
 
