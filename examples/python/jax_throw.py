@@ -39,7 +39,7 @@ def closed_form(velocity: jax.Array) -> jax.Array:
     return jnp.array([START[0] + velocity[0] * TIME, RADIUS + RESTITUTION * impact * rest - G * rest**2 / 2])
 
 
-def descend(scene: tangency.Scene, velocity: jax.Array, rate: float = 0.4, steps: int = 120) -> jax.Array:
+def descend(scene: tangency.Scene, velocity: jax.Array, rate: float = 0.5, steps: int = 90) -> jax.Array:
     """Follows the gradient of the squared distance, with momentum; prints every tenth step."""
     change = jnp.zeros(2)
     loss = jax.jit(jax.value_and_grad(lambda velocity: jnp.sum((place(scene, velocity) - GOAL) ** 2)))
@@ -47,7 +47,7 @@ def descend(scene: tangency.Scene, velocity: jax.Array, rate: float = 0.4, steps
         value, gradient = loss(velocity)
         if k % 10 == 0:
             print(f"{k:3}: thrown at ({velocity[0]:.6f}, {velocity[1]:.6f}) m/s: {value**0.5:.1e} m from the goal")
-        change = 0.8 * change - rate * gradient
+        change = 0.7 * change - rate * gradient
         velocity = velocity + change
     return velocity
 

@@ -9,16 +9,22 @@ import ray
 import tangency
 
 WIDTH, SPEED, TO_WALL, G = 0.4, 4.0, 1.0, 9.81
+NAMES = ("friction:*", "restitution:elastic")
 
 
 def wall_scene() -> tangency.Scene:
     """A box on a floor, on its way to a wall at x = 0."""
+    half, elastic = WIDTH / 2, ["elastic"]
     floor = tangency.BodyDef("floor", "static", shapes=[tangency.HalfPlane((0, 1))])
-    wall = tangency.BodyDef("wall", "static", shapes=[tangency.HalfPlane((-1, 0))])
-    start = (-TO_WALL - WIDTH / 2, WIDTH / 2)
-    box = tangency.BodyDef("box", position=start, velocity=(SPEED, 0), shapes=[tangency.Rectangle(WIDTH, WIDTH)])
-    bodies = [floor, wall, box]
-    return tangency.Scene(tangency.SceneDef(bodies, dt=0.01, duration=4, gravity=(0, -G), stepping={"accurate": {}}))
+    wall = tangency.BodyDef("wall", "static", shapes=[tangency.HalfPlane((-1, 0))], groups=elastic)
+    box = tangency.BodyDef("box", shapes=[tangency.Rectangle(WIDTH, WIDTH)], groups=elastic)
+    box.position, box.velocity = (-TO_WALL - half, half), (SPEED, 0)
+    smooth = tangency.PairDef(("wall", "box"), friction=0.0)
+    return tangency.Scene(
+        tangency.SceneDef(
+            [floor, wall, box], pairs=[smooth], dt=0.01, duration=6, gravity=(0, -G), stepping={"accurate": {}}
+        )
+    )
 
 
 def closed_form(friction: float, restitution: float) -> float:
@@ -29,23 +35,27 @@ def closed_form(friction: float, restitution: float) -> float:
 def ends(scene: tangency.Scene, friction: float, restitutions: np.ndarray) -> np.ndarray:
     """Where the box ends, m, for one friction and many restitutions: one batch."""
     batch = tangency.Batch(scene, len(restitutions))
-    batch.set("friction:*", friction)
-    batch.set("restitution:*", restitutions)
+    for name, values in zip(NAMES, (friction, restitutions)):
+        batch.set(name, values)
     batch.reset()
     return batch.rollout().q[:, -1, scene.body("box"), 0]
 
 
+def watched(scene: tangency.Scene, point: np.ndarray) -> tangency.Rollout:
+    """A run with this friction and restitution."""
+    return tangency.rollout(scene.with_values(dict(zip(NAMES, point))))
+
+
 def fit(scene: tangency.Scene, seen: np.ndarray, guess: np.ndarray, rounds: int = 12) -> tuple[float, np.ndarray]:
     """Friction and restitution that explain where the box was, by damped Gauss-Newton; and how badly, m."""
-    names = ["friction:*", "restitution:*"]
 
     def miss(point: np.ndarray) -> tuple[tangency.Rollout, np.ndarray]:
-        run = tangency.rollout(scene.with_values(dict(zip(names, point))))
+        run = watched(scene, point)
         return run, run.q[:, scene.body("box"), 0] - seen
 
     run, error = miss(guess)
     for _ in range(rounds):
-        columns = [run.tangent(values={name: 1.0})[0][:, scene.body("box"), 0] for name in names]
+        columns = [run.tangent(values={name: 1.0})[0][:, scene.body("box"), 0] for name in NAMES]
         change = np.linalg.lstsq(np.stack(columns, axis=1), -error)[0]
         for scale in 0.5 ** np.arange(8):
             point = np.clip(guess + scale * change, 0.02, 0.98)
@@ -79,7 +89,7 @@ def main() -> None:
     exact = closed_form(frictions[:, None], restitutions)
     print(f"largest distance from the closed form: {np.abs(table - exact).max():.1e} m\n")
 
-    seen = tangency.rollout(scene.with_values({"friction:*": 0.3, "restitution:*": 0.7})).q[:, scene.body("box"), 0]
+    seen = watched(scene, np.array([0.3, 0.7])).q[:, scene.body("box"), 0]
     for error, (friction, restitution) in fits(scene, seen, np.random.default_rng(0).uniform(0.1, 0.9, (8, 2))):
         print(f"friction {friction:.6f}, restitution {restitution:.6f}: off by up to {error:.1e} m")
     ray.shutdown()

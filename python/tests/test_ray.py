@@ -32,16 +32,14 @@ def test_a_sweep_over_workers_is_the_closed_form(scene):
 
 
 def test_fits_over_workers_find_what_was_seen(scene):
-    truth = {"friction:*": 0.3, "restitution:*": 0.7}
-    seen = tangency.rollout(scene.with_values(truth)).q[:, scene.body("box"), 0]
+    seen = EXAMPLE["watched"](scene, np.array([0.3, 0.7])).q[:, scene.body("box"), 0]
     found = EXAMPLE["fits"](scene, seen, np.array([[0.5, 0.5], [0.2, 0.9]]))
     assert found[0][0] < 1e-9
     np.testing.assert_allclose(found[0][1], [0.3, 0.7], atol=1e-8)
 
 
 def test_runs_come_back_with_their_derivatives(scene):
-    task = ray.remote(tangency.rollout)
-    run = ray.get(task.remote(scene, 50))
+    run = ray.get(ray.remote(lambda scene: tangency.rollout(scene, 50)).remote(scene))
     here = tangency.rollout(scene, 50)
     assert np.array_equal(run.q, here.q)
     assert run.gradient(q=here.q)["friction:*"] == here.gradient(q=here.q)["friction:*"]

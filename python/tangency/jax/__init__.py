@@ -30,8 +30,8 @@ Errors
     the engine's message.
 
 Forks
-    JAX does not survive `os.fork` (nor does anything that calls it, once it has been used): start worker processes
-    by ``multiprocessing.get_context("spawn")``. Without JAX the package survives forks.
+    JAX does not survive `os.fork` (it warns, and hangs): start workers that use it by
+    ``multiprocessing.get_context("spawn")``. A forked child may go on with the rest of the package.
 """
 
 from tangency.jax.lcp import solve_lcp

@@ -63,7 +63,7 @@ def _like(x: Any, rows: Array, size: int) -> Any:
 
 
 # value(x) = f(x). Leading axes are batches.
-_value = Primitive("tangency_value")
+_value: Any = Primitive("tangency_value")
 
 
 def _value_on_host(x: Any, *, host: HostMap) -> Any:
@@ -76,10 +76,7 @@ def _value_abstract(x: Any, *, host: HostMap) -> Any:
 
 def _value_jvp(primals: Any, tangents: Any, *, host: HostMap) -> Any:
     (x,), (v,) = primals, tangents
-    y = _value.bind(x, host=host)
-    if type(v) is ad.Zero:
-        return y, ad.Zero.from_primal_value(y)
-    return y, _linear.bind(x, v, host=host, transposed=False)
+    return _value.bind(x, host=host), _linear.bind(x, v, host=host, transposed=False)
 
 
 def _value_batch(args: Any, axes: Any, *, host: HostMap) -> Any:
@@ -87,7 +84,7 @@ def _value_batch(args: Any, axes: Any, *, host: HostMap) -> Any:
 
 
 # linear(x, v) = J(x) v, or J(x)ᵀ v if transposed. Leading axes are batches; those of x are as long as those of v, or 1.
-_linear = Primitive("tangency_linear")
+_linear: Any = Primitive("tangency_linear")
 
 
 def _linear_on_host(x: Any, v: Any, *, host: HostMap, transposed: bool) -> Any:
@@ -110,8 +107,7 @@ def _linear_jvp(primals: Any, tangents: Any, **params: Any) -> Any:
         raise NotImplementedError(
             "tangency.jax has first derivatives only; for second ones take finite differences of gradients"
         )
-    out = _linear.bind(x, v, **params)
-    return out, ad.Zero.from_primal_value(out) if type(dv) is ad.Zero else _linear.bind(x, dv, **params)
+    return _linear.bind(x, v, **params), _linear.bind(x, dv, **params)
 
 
 def _linear_transpose(w: Any, x: Any, v: Any, *, host: HostMap, transposed: bool) -> Any:
@@ -135,9 +131,7 @@ def _define(primitive: Any, on_host: Any, abstract: Any) -> None:
         return jnp.asarray(on_host(*arrays, **params))
 
     def traced(*arrays: Any, **params: Any) -> Any:
-        out = abstract(*arrays, **params)
-        shape = jax.ShapeDtypeStruct(out.shape, out.dtype)
-        return jax.pure_callback(partial(on_host, **params), shape, *arrays)
+        return jax.pure_callback(partial(on_host, **params), abstract(*arrays, **params), *arrays)
 
     primitive.def_impl(known)
     primitive.def_abstract_eval(abstract)

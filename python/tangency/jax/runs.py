@@ -197,7 +197,7 @@ class _Tape:
 
     @property
     def size(self) -> int:
-        return len(self.runs) * self.runs.steps * len(self.host.scene.bodies)
+        return len(self.runs) * (self.host.steps or 1) * len(self.host.scene.bodies)
 
     def value(self) -> Array:
         return self.join(self.runs.q, self.runs.v)

@@ -99,8 +99,8 @@ def keep_tapes(body_steps: int) -> None:
     Parameters
     ----------
     body_steps : int
-        Environments times steps times bodies, summed over the runs that are kept; BYTES bytes each.
-        At first 262144. The runs used last are kept; a batch that is larger by itself is not, and runs again when its
+        Environments times steps times bodies, summed over the runs that are kept; 0.6 to 3 kB each,
+        the more the more contacts. At first 262144. The runs used last are kept; a batch that is larger by itself is not, and runs again when its
         derivative is asked for. 0 keeps none.
 
     Raises
