@@ -17,12 +17,12 @@ START, GOAL, TIME = jnp.array([0.0, 1.1]), jnp.array([3.0, 0.7]), 1.0
 
 def throw_scene() -> tangency.Scene:
     """A ball above a floor, in steps that find the impact."""
-    pair = {"friction": 0.0, "restitution": RESTITUTION}
-    floor = tangency.BodyDef("floor", "static", shapes=[tangency.HalfPlane((0, 1))], **pair)
-    ball = tangency.BodyDef("ball", position=START.tolist(), shapes=[tangency.Circle(RADIUS)], **pair)
-    return tangency.Scene(
-        tangency.SceneDef([floor, ball], dt=0.01, duration=TIME, gravity=(0, -G), stepping={"accurate": {}})
-    )
+    floor = tangency.BodyDef("floor", "static", shapes=[tangency.HalfPlane((0, 1))])
+    ball = tangency.BodyDef("ball", position=START.tolist(), shapes=[tangency.Circle(RADIUS)])
+    pair = tangency.PairDef(("floor", "ball"), friction=0.0, restitution=RESTITUTION)
+    definition = tangency.SceneDef([floor, ball], pairs=[pair], dt=0.01, duration=TIME, gravity=(0, -G))
+    definition.stepping = {"accurate": {}}
+    return tangency.Scene(definition)
 
 
 def place(scene: tangency.Scene, velocity: jax.Array) -> jax.Array:

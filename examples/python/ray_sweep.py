@@ -27,7 +27,7 @@ def wall_scene() -> tangency.Scene:
     )
 
 
-def closed_form(friction: float, restitution: float) -> float:
+def closed_form(friction: np.ndarray, restitution: np.ndarray) -> np.ndarray:
     """Where the box ends, m, if it comes to the wall: what friction leaves of v² is e² times as much after it."""
     return -WIDTH / 2 - restitution**2 * (SPEED**2 / (2 * friction * G) - TO_WALL)
 

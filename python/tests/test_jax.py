@@ -32,7 +32,12 @@ def scene():
             bodies=[
                 tangency.BodyDef("floor", "static", shapes=[tangency.HalfPlane((0, 1))], restitution=0.6),
                 tangency.BodyDef(
-                    "box", position=(0, 0.25), velocity=(3, 0), shapes=[tangency.Rectangle(1, 0.5)], mass=2, friction=0.3
+                    "box",
+                    position=(0, 0.25),
+                    velocity=(3, 0),
+                    shapes=[tangency.Rectangle(1, 0.5)],
+                    mass=2,
+                    friction=0.3,
                 ),
                 tangency.BodyDef(
                     "rod", position=(0.3, 1), angle=0.4, shapes=[tangency.Rectangle(0.1, 0.8)], mass=0.5, mask=0

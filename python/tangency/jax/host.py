@@ -22,13 +22,13 @@ from jax.interpreters import ad, batching, mlir
 
 from tangency.jax.tapes import Array, HostMap, tape_of
 
-__all__ = ["ArrayLike", "array", "call", "pack"]
+__all__ = ["ArrayLike", "array", "call", "halves", "pack"]
 
 ArrayLike = Union[jax.Array, npt.ArrayLike]
 
 
 def array(what: str, given: ArrayLike, names: str, shape: tuple[int, ...]) -> jax.Array:
-    """What was given as an array of real numbers; refuses another shape than `shape`, whose dimensions are called `names`."""
+    """What was given as an array of real numbers; refuses another shape than `shape`, whose dimensions are `names`."""
     found = jnp.asarray(given)
     if found.shape != shape:
         wanted = names if shape == () else f"{names} = {shape}"
@@ -38,10 +38,18 @@ def array(what: str, given: ArrayLike, names: str, shape: tuple[int, ...]) -> ja
     return found
 
 
+@jax.jit
 def pack(parts: Sequence[jax.Array]) -> jax.Array:
     """Arrays as one vector of the floating type that holds them all."""
     dtype = jnp.result_type(float, *parts)
     return jnp.concatenate([jnp.zeros(0, dtype), *(part.ravel().astype(dtype) for part in parts)])
+
+
+@partial(jax.jit, static_argnums=1)
+def halves(y: jax.Array, shape: tuple[int, ...]) -> tuple[jax.Array, jax.Array]:
+    """The two halves of a vector as arrays of this shape."""
+    first, second = jnp.split(y, 2)
+    return first.reshape(shape), second.reshape(shape)
 
 
 def call(host: HostMap, x: jax.Array) -> jax.Array:
@@ -83,7 +91,7 @@ def _value_batch(args: Any, axes: Any, *, host: HostMap) -> Any:
     return _value.bind(jnp.moveaxis(args[0], axes[0], 0), host=host), 0
 
 
-# linear(x, v) = J(x) v, or J(x)ᵀ v if transposed. Leading axes are batches; those of x are as long as those of v, or 1.
+# linear(x, v) = J(x) v, or J(x)ᵀ v if transposed. Leading axes are batches, in x as long as in v, or 1.
 _linear: Any = Primitive("tangency_linear")
 
 

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tangency._native import Batch, Rollouts, Scene
-from tangency.jax.host import ArrayLike, array, call, pack
+from tangency.jax.host import ArrayLike, array, call, halves, pack
 from tangency.jax.tapes import Array, Indices
 
 __all__ = ["rollout", "step"]
@@ -135,9 +135,8 @@ def _run(
         kappa=kappa,
         time=time,
     )
-    y = call(host, pack([*given.values(), *numbers]))
-    q, v = y.reshape(2, *host.states)
-    return q, v
+    states: tuple[jax.Array, jax.Array] = halves(call(host, pack([*given.values(), *numbers])), host.states)
+    return states
 
 
 def _check_names(scene: Scene, names: list[str], given: Container[str]) -> None:

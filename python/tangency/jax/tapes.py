@@ -99,9 +99,9 @@ def keep_tapes(body_steps: int) -> None:
     Parameters
     ----------
     body_steps : int
-        Environments times steps times bodies, summed over the runs that are kept; 0.6 to 3 kB each,
-        the more the more contacts. At first 262144. The runs used last are kept; a batch that is larger by itself is not, and runs again when its
-        derivative is asked for. 0 keeps none.
+        Environments times steps times bodies, summed over the runs that are kept; 0.6 to 3 kB each, the more the
+        more contacts. At first 262144. The runs used last are kept; a batch that is larger by itself is not, and runs
+        again when its derivative is asked for. 0 keeps none.
 
     Raises
     ------
