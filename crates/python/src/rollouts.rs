@@ -24,7 +24,7 @@ use crate::threads;
 pub(crate) struct Rollouts {
     scene: Py<Scene>,
     scenes: Vec<Arc<tangency::Scene>>,
-    runs: Vec<tangency::Rollout>,
+    runs: Vec<Arc<tangency::Rollout>>,
     #[pyo3(get)]
     steps: usize,
     #[pyo3(get)]
@@ -42,6 +42,7 @@ impl Rollouts {
         steps: usize,
         kappa: Option<f64>,
     ) -> Self {
+        let runs = runs.into_iter().map(Arc::new).collect();
         Self { scene, scenes, runs, steps, kappa }
     }
 
@@ -60,7 +61,7 @@ impl Rollouts {
     }
 
     fn states(&self) -> impl Iterator<Item = &State> {
-        self.runs.iter().flat_map(tangency::Rollout::states)
+        self.runs.iter().flat_map(|run| run.states())
     }
 }
 
@@ -93,10 +94,25 @@ impl Rollouts {
         self.table(py, self.states().map(|state| &state.v[..]))
     }
 
+    /// The runs of these environments, in this order and as often as they are named; not copied.
+    fn take(&self, py: Python<'_>, environments: Vec<usize>) -> PyResult<Self> {
+        let count = self.runs.len();
+        if let Some(it) = environments.iter().find(|it| **it >= count) {
+            let message = format!("there is no environment {it}; there are {count}");
+            return Err(PyIndexError::new_err(message));
+        }
+        Ok(Self {
+            scene: self.scene.clone_ref(py),
+            scenes: environments.iter().map(|k| self.scenes[*k].clone()).collect(),
+            runs: environments.iter().map(|k| self.runs[*k].clone()).collect(),
+            ..*self
+        })
+    }
+
     /// Worst residual per environment.
     #[getter]
     fn residual<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.runs.iter().map(tangency::Rollout::residual).collect::<Vec<_>>().into_pyarray(py)
+        self.runs.iter().map(|run| run.residual()).collect::<Vec<_>>().into_pyarray(py)
     }
 
     #[pyo3(signature = (q = None, v = None, *, wrt = Vec::new()))]

@@ -1,5 +1,6 @@
 //! Scenes.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -10,7 +11,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use tangency::diff::Coordinates;
-use tangency::{BodyKind, Parameter, SceneFormat, StateVector};
+use tangency::{BodyKind, Param, Parameter, SceneFormat, StateVector};
 
 use crate::arrays::{self, Numbers};
 use crate::{errors, state};
@@ -40,6 +41,15 @@ impl Scene {
         }
         let changes = self.changes.iter().cloned().chain(values).collect();
         Ok(Self { scene: Arc::new(scene), changes })
+    }
+
+    /// The number of the scene that a parameter sets: a density is a mass, and so is an inertia that follows it.
+    fn number_set(&self, param: Param) -> Param {
+        match param {
+            Param::Density(i) => Param::Mass(i),
+            Param::Inertia(i) if self.scene.bodies()[i].inertia_follows_mass => Param::Mass(i),
+            _ => param,
+        }
     }
 
     /// The parameters of these names.
@@ -155,6 +165,23 @@ impl Scene {
 
     fn value(&self, name: &str) -> PyResult<f64> {
         Ok(Parameter::parse(&self.scene, name).map_err(errors::scene)?.value(&self.scene))
+    }
+
+    /// Refuses names of which two set the same number.
+    fn _check_apart(&self, names: Vec<String>) -> PyResult<()> {
+        let parameters = self.parameters(&names)?;
+        let mut setters: BTreeMap<Param, &str> = BTreeMap::new();
+        for (name, parameter) in names.iter().zip(&parameters) {
+            for (param, _) in &parameter.targets {
+                let other = setters.insert(self.number_set(*param), name);
+                if let Some(other) = other.filter(|other| other != name) {
+                    return Err(PyValueError::new_err(format!(
+                        "{other:?} and {name:?} set the same number; give one of them"
+                    )));
+                }
+            }
+        }
+        Ok(())
     }
 
     fn with_values(&self, values: &Bound<'_, PyDict>) -> PyResult<Self> {
