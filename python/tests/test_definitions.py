@@ -23,7 +23,7 @@ NAMES = [
 
 def everything() -> tg.SceneDef:
     """A scene with every class of definitions, and every field other than its default."""
-    shapes = [
+    shapes: list[definitions.Shape] = [
         tg.Circle(0.1, (0.5, 0.0)),
         tg.Rectangle(0.4, 0.2, (0.1, 0.0), 0.3),
         tg.Polygon([(0.0, 0.0), (0.3, 0.0), (0.0, 0.3)]),

@@ -28,30 +28,25 @@ def public() -> Iterator[tuple[str, Any]]:
             yield f"{module.__name__}.{name}", value
             if inspect.isclass(value):
                 for member, item in vars(value).items():
-                    own = not member.startswith("_") and (callable(item) or inspect.isdatadescriptor(item))
-                    if own or isinstance(item, (staticmethod, classmethod)) and not member.startswith("_"):
+                    kinds = (staticmethod, classmethod)
+                    told = callable(item) or inspect.isdatadescriptor(item) or isinstance(item, kinds)
+                    if told and not member.startswith("_"):
                         yield f"{module.__name__}.{name}.{member}", getattr(value, member)
 
 
 NAMED = dict(public())
-FIELDS = {name for name, value in NAMED.items() if type(value).__name__ == "_tuplegetter"}
+NATIVE = [name for name, value in NAMED.items() if inspect.isbuiltin(value) or inspect.ismethoddescriptor(value)]
 
 
 @pytest.mark.parametrize("name", NAMED)
 def test_every_name_has_a_docstring(name: str) -> None:
-    text = NAMED[name].__doc__
-    assert text, f"{name} has no documentation"
-    first = text.strip().splitlines()[0]
-    assert first[0].isupper() or not first[0].isascii() or re.match(r"[a-zμ]", first), first
-    assert "_native.pyi" not in text
+    assert (NAMED[name].__doc__ or "").strip(), f"{name} has no documentation"
 
 
-@pytest.mark.parametrize("name", [name for name, value in NAMED.items() if inspect.isroutine(value)])
+@pytest.mark.parametrize("name", NATIVE)
 def test_every_parameter_is_documented(name: str) -> None:
     """In the native half, in the style of NumPy; nothing is documented that there is not."""
     value = NAMED[name]
-    if not name.startswith("tangency.") or inspect.isfunction(value) or inspect.ismethod(value):
-        pytest.skip("written in Python")
     parameters = [name for name in inspect.signature(value).parameters if name != "self"]
     text = inspect.getdoc(value) or ""
     section = re.search(r"\nParameters\n-+\n(.*?)(?=\n\w+\n-+\n|\Z)", text, re.S)

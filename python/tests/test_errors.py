@@ -142,6 +142,7 @@ def test_numbers_that_are_none(cartpole: tg.Scene) -> None:
     refused(tg.GradientError, not_finite, lambda: run.gradient(q=nan))
     refused(tg.GradientError, not_finite, lambda: run.tangent(v0=nan))
     refused(tg.GradientError, "kappa is -1; give a positive", lambda: run.smoothed(-1.0))
+    refused(ValueError, "kappa is -1; give a positive", lambda: tg.Batch(cartpole, 2, kappa=-1.0))
     refused(ValueError, "the run is smoothed", lambda: run.smoothed(1e-4).smoothed(1e-4))
     refused(ValueError, "could not convert string", lambda: tg.rollout(cartpole, controls="abc"))
 

@@ -28,7 +28,7 @@ def test_one_active(backend: Any) -> None:
     found = tg.solve_lcp([[2, 1], [1, 2]], [-1, 3], backend=backend)
     np.testing.assert_allclose(found.z, [0.5, 0], atol=1e-12)
     np.testing.assert_allclose(found.w, [0, 3.5], atol=1e-12)
-    np.testing.assert_allclose(found.jacobian(), [[-0.5, 0], [0, 0]], atol=1e-12)
+    np.testing.assert_allclose(found.jacobian(), [[-0.5, 0.0], [0.0, 0.0]], atol=1e-12)
     assert found.active == [0]
 
 

@@ -142,7 +142,7 @@ def test_bodies_that_look_like_the_librarys() -> None:
     assert (box.angle, box.friction) == (-turned, 0.5)
     (polygon,) = hull.shapes
     assert isinstance(polygon, tg.Polygon)
-    np.testing.assert_allclose(polygon.points, triangle * [1, -1] / S, atol=1e-15)
+    np.testing.assert_allclose(np.asarray(list(map(list, polygon.points))), triangle * [1, -1] / S, atol=1e-15)
     assert definition.contact_model == {"velocity": {"contact_distance": 0.002}}
     assert definition.stabilisation == {"joints": "none", "contacts": "post"}
     scene = tg.Scene(definition)
@@ -162,7 +162,7 @@ def test_friction_of_a_pair_is_the_mean_and_some_pass_through_each_other() -> No
     expected = [
         tg.PairDef((names[0], names[1]), friction=0.1),
         tg.PairDef((names[0], names[2]), collide=False),
-        tg.PairDef((names[1], names[2]), friction=pytest.approx(0.3)),
+        tg.PairDef((names[1], names[2]), friction=(0.2 + 0.4) / 2),
     ]
     assert list(pairs) == expected
 
@@ -196,7 +196,7 @@ def test_gravity_and_forces_in_time() -> None:
     bodies[0].forces = [Gravity(100)]
     bodies[1].forces = [Gravity(50), push]
     definition = lcp.scene_def(bodies, dt=0.1, duration=1.0, pixels_per_meter=S)
-    assert list(definition.forces) == [tg.ForceDef("circle 1", (2.0, 0.0), 0.0, 0.0, pytest.approx(0.3))]
+    assert list(definition.forces) == [tg.ForceDef("circle 1", (2.0, 0.0), 0.0, 0.0, 2 * 0.1 + 0.1)]
     run = tg.rollout(tg.Scene(definition))
     v = lcp.from_tangency(run.v[-1], S)
     np.testing.assert_allclose(v, [[0, 0, 100], [0, 30, 50], [0, 0, 0]], atol=1e-10)

@@ -58,7 +58,8 @@ def quadratic(r: float, w: float, places: list[int], states: int) -> tg.Quadrati
 
 def riccati(r: float, w: float) -> tuple[list[Array], Array]:
     """Gains of the optimal feedback u = K x, and the matrix V of the cost ½ xᵀ V x from the start."""
-    value, gains = w * np.eye(2), []
+    value = w * np.eye(2)
+    gains: list[Array] = []
     for _ in range(T):
         gain = -np.linalg.solve(r * np.eye(1) + B.T @ value @ B, B.T @ value @ A)
         value = A.T @ value @ (A + B @ gain)
@@ -130,7 +131,7 @@ def test_what_callbacks_raise_comes_out(broken: str) -> None:
     ("method", "answer", "message"),
     [
         ("step", np.zeros(3), r"the state after `step` has shape \(3,\); give \(states,\) = \(2,\)"),
-        ("linearise", (np.zeros((2, 3)), B), r"A of `linearise` has shape \(2, 3\); give \(states, states\) = \(2, 2\)"),
+        ("linearise", (np.zeros((2, 3)), B), r"A of `linearise` has shape \(2, 3\); give \(states, states\)"),
         ("linearise", (A, np.zeros(2)), r"B of `linearise` has shape \(2,\); give \(states, controls\) = \(2, 1\)"),
         ("running_expansion", (np.zeros(2),), "an expansion of the cost has 1 parts, too few"),
         ("running_expansion", [np.zeros(3), np.zeros(1), np.eye(2), np.zeros((1, 2)), np.eye(1)], "∂l/∂x of the cost"),

@@ -33,7 +33,7 @@ use crate::{errors, threads};
 /// Raises
 /// ------
 /// ValueError
-///     If the backend or the tolerance does not fit.
+///     If the backend, the tolerance or `kappa` does not fit.
 #[pyclass(module = "tangency")]
 pub(crate) struct Batch {
     scene: Py<Scene>,
@@ -125,6 +125,11 @@ impl Batch {
         let it = (*scene.get().scene).clone();
         let mut batch = tangency::batch::Batch::new(it, environments, solver);
         if let Some(kappa) = kappa {
+            if !(kappa > 0.0 && kappa.is_finite()) {
+                let message =
+                    format!("kappa is {kappa}; give a positive, finite number, such as 1e-4");
+                return Err(PyValueError::new_err(message));
+            }
             batch.set_gradient_mode(GradientMode::Smoothed { kappa });
         }
         Ok(Self { scene, environments: batch, kappa })

@@ -1,5 +1,6 @@
 //! The native half of the Python package `tangency`: every function converts, calls the engine, and
-//! converts back. What users see is described in `python/tangency`.
+//! converts back. The documentation of its classes and functions is what Python's `help` shows; their types
+//! stand in `python/tangency/_native.pyi`.
 
 #![expect(clippy::doc_markdown, reason = "documentation of classes and functions is Python's")]
 #![expect(clippy::needless_pass_by_value, reason = "what comes from Python was made for the call")]

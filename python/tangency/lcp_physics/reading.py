@@ -32,13 +32,22 @@ __all__ = ["scene_def", "scene_def_of_world"]
 
 
 class _World(Protocol):
-    bodies: Sequence[Any]
-    joints: Sequence[Any]
-    dt: float
-    eps: float
-    tol: float
-    fric_dirs: int
-    post_stab: bool
+    """What is read of a world."""
+
+    @property
+    def bodies(self) -> Sequence[Any]: ...
+    @property
+    def joints(self) -> Sequence[Any]: ...
+    @property
+    def dt(self) -> float: ...
+    @property
+    def eps(self) -> float: ...
+    @property
+    def tol(self) -> float: ...
+    @property
+    def fric_dirs(self) -> int: ...
+    @property
+    def post_stab(self) -> bool: ...
 
 
 def scene_def_of_world(world: _World, *, pixels_per_meter: float = 1.0, duration: float = 10.0) -> SceneDef:
@@ -260,7 +269,7 @@ class _Reader:
         return self.bodies[j].geom in self.bodies[i].geom.no_contact
 
     def pairs(self) -> list[PairDef]:
-        """Pairs that do not collide, and those with a friction other than √(μ_a μ_b): it is (μ_a + μ_b)/2 there."""
+        """Pairs that do not collide, and those whose friction, (μ_a + μ_b)/2 there, is not √(μ_a μ_b)."""
         found = []
         for j, b in enumerate(self.bodies):
             for i, a in enumerate(self.bodies[:j]):
