@@ -7,6 +7,7 @@ use clap::Args;
 use serde::Serialize;
 use tangency::Param;
 use tangency::diff::Parameter;
+use tangency_view::{Frame, Run, replay_html};
 
 use crate::args::{gradient_mode, positive, smoothing};
 use crate::grid::Grid;
@@ -14,9 +15,8 @@ use crate::objective::Objective;
 use crate::observations::Observations;
 use crate::optimise::{self, Iterate, Method, Settings};
 use crate::plot::{self, Axis, Chart, Curve};
-use crate::replay::replay_html;
 use crate::simulate::find_solver;
-use crate::{Console, Failure, Frame, Run, Table};
+use crate::{Console, Failure, Table};
 
 /// The options of `fit`.
 #[derive(Args, Debug)]

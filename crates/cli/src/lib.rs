@@ -1,8 +1,8 @@
 //! The `tangency` command: simulates, inspects, differentiates and fits planar scenes.
 //!
 //! [`main`] parses the arguments and hands them to one file per subcommand. Those share four
-//! nouns: a [`Run`] is what was simulated, its [trajectory file](trajectory_file) and its
-//! [replay page](replay) are how it leaves the program, and a [`Failure`] is why it did not.
+//! nouns: a [`Run`](tangency_view::Run) is what was simulated, its [trajectory file](trajectory_file) and its
+//! [replay page](tangency_view::replay_html) are how it leaves the program, and a [`Failure`] is why it did not.
 //!
 //! What learns from motion ([`gradient`], [`fit`], [`experiment`]) shares four more: a [`Loss`] over a
 //! rollout, [observations] that one is made of, the [objective] that a loss is as a
@@ -33,8 +33,6 @@ pub mod objective;
 pub mod observations;
 pub mod optimise;
 pub mod plot;
-pub mod replay;
-pub mod run;
 mod summary;
 mod table;
 pub mod tape;
@@ -48,7 +46,6 @@ pub use console::Console;
 pub use failure::Failure;
 pub use formula::{Formula, FormulaError};
 pub use grid::Grid;
-pub use run::{Frame, Push, Run};
 pub use summary::Summary;
 pub use table::Table;
 

@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use clap::Args;
 use tangency::{BACKENDS, LcpSolver, Scene, StepScratch, backend, load_scene, step};
+use tangency_view::{Frame, Run, replay_html};
 
 use crate::args::positive;
-use crate::replay::replay_html;
 use crate::trajectory_file::{Format, write_trajectory};
-use crate::{Console, Failure, Frame, Run, Summary};
+use crate::{Console, Failure, Summary};
 
 /// The options of `simulate`.
 #[derive(Args, Debug)]

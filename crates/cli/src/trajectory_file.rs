@@ -8,8 +8,9 @@ use std::path::Path;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use tangency::Scene;
+use tangency_view::Run;
 
-use crate::{Failure, Run};
+use crate::Failure;
 
 /// How a trajectory is written down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use tangency::{Scene, SceneFormat, parse_scene};
-use tangency_cli::replay::replay_html;
-use tangency_cli::{Frame, Push, Run};
+use tangency_view::{Frame, Push, Run, replay_html};
 
 /// One body of every kind and shape, a joint of every kind that is drawn.
 const SCENE: &str = r#"

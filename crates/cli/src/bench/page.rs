@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use tangency_view::escape_html;
+
 use super::digits::{digits, grouped, number, short, small};
 use super::figures::{Section, Shown};
 use super::goals::goals;
@@ -12,7 +14,6 @@ use super::provenance::Provenance;
 use super::row::Row;
 use super::tables::{batch, checks, exponents, paths, solvers};
 use crate::grid::Grid;
-use crate::replay::escape_html;
 
 const TEMPLATE: &str = include_str!("page.html");
 

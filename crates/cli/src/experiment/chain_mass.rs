@@ -17,12 +17,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tangency_view::{Run, replay_html};
 
 use self::results::Results;
 use self::setup::Setup;
-use crate::replay::replay_html;
 use crate::simulate::find_solver;
-use crate::{Console, Failure, Run};
+use crate::{Console, Failure};
 
 /// The options of `experiment chain-mass`.
 #[derive(Args, Debug)]

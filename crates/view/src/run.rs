@@ -1,6 +1,7 @@
 //! A run: the motion of a scene over time, as files and pages show it.
 
-use tangency::{Contact, Rollout, Scene, State, StepRecord};
+use tangency_collision::pose::perp;
+use tangency_core::{Contact, Rollout, Scene, State, StepRecord};
 
 /// A named motion.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +64,7 @@ fn pushes(scene: &Scene, record: &StepRecord) -> Vec<Push> {
         .flat_map(|part| part.contact_impulses().into_iter().map(move |impulse| (part, impulse)));
     impulses
         .map(|(part, it)| {
-            let [n, t] = [it.direction, tangency::collision::pose::perp(&it.direction)];
+            let [n, t] = [it.direction, perp(&it.direction)];
             let on_b = it.normal * n + it.tangent * t;
             let Contact { feature, .. } = &part.contacts[it.contact];
             let b = feature.id.bodies[1] as usize;

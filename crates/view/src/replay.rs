@@ -1,10 +1,12 @@
 //! The replay page: one HTML file that plays runs of a scene on a canvas, without a network.
 
 use serde::{Serialize, Serializer};
-use tangency::measure::Measure;
-use tangency::{BodyKind, Joint, JointDef, JointKind, Scene, Shape};
+use tangency_core::{Scene, State};
 
-use crate::{Frame, Push, Run};
+use crate::joint_look::{JointLook, Link};
+use crate::look::{BodyLook, Form};
+use crate::palette::{HUES, css};
+use crate::{Frame, Push, Run, View};
 
 const TEMPLATE: &str = include_str!("replay.html");
 
@@ -23,7 +25,9 @@ pub fn replay_html(title: &str, scene: &Scene, runs: &[Run]) -> String {
     TEMPLATE.replace("@TITLE@", &escape_html(title)).replace("@DATA@", &data.replace("</", "<\\/"))
 }
 
-pub(crate) fn escape_html(text: &str) -> String {
+/// A text as it stands between tags.
+#[must_use]
+pub fn escape_html(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
@@ -34,6 +38,9 @@ struct Page<'a> {
     description: &'a str,
     /// Steps per frame.
     stride: usize,
+    hues: [String; HUES.len()],
+    /// Lower and upper corner of what is shown.
+    view: [[Short; 2]; 2],
     /// Bodies whose poses every frame lists.
     moving: Vec<usize>,
     bodies: Vec<PageBody<'a>>,
@@ -51,8 +58,6 @@ struct PageBody<'a> {
     hue: usize,
     /// Pose at the start.
     pose: [Short; 3],
-    /// Of the circle about the centre of mass that holds all its bounded shapes.
-    radius: Short,
     /// Length of the mark that shows the angle.
     mark: Short,
     shapes: Vec<PageShape>,
@@ -70,7 +75,7 @@ enum PageShape {
 
 #[derive(Serialize)]
 struct PageJoint {
-    kind: &'static str,
+    kind: Link,
     /// −1 is the world.
     bodies: [i64; 2],
     /// Anchors in the bodies' frames.
@@ -113,17 +118,24 @@ fn short<const N: usize>(numbers: impl Into<[f64; N]>) -> [Short; N] {
 
 impl<'a> Page<'a> {
     fn new(title: &'a str, scene: &'a Scene, runs: &'a [Run]) -> Self {
-        let moves = |i: &usize| scene.bodies()[*i].kind != BodyKind::Static;
-        let moving: Vec<usize> = (0..scene.bodies().len()).filter(moves).collect();
-        let frames: usize = runs.iter().map(|run| run.frames.len()).sum();
-        let stride = (frames * moving.len()).div_ceil(MOST_POSES).max(1);
-        let joints = scene.joints().iter().zip(&scene.def().joints);
+        let (looks, joints) = (BodyLook::all(scene), JointLook::all(scene));
+        let moving: Vec<usize> = (0..looks.len()).filter(|i| looks[*i].moves()).collect();
+        let frames = || runs.iter().flat_map(|run| &run.frames);
+        let stride = (frames().count() * moving.len()).div_ceil(MOST_POSES).max(1);
+        let states: Vec<&State> = frames().map(|frame| &frame.state).collect();
+        let View { lower, upper } = View::around(scene, &looks, &joints, &states);
         Self {
             title,
             description: &scene.def().description,
             stride,
-            bodies: (0..scene.bodies().len()).map(|i| PageBody::new(scene, i)).collect(),
-            joints: joints.filter_map(|(joint, def)| PageJoint::new(joint, def)).collect(),
+            hues: HUES.map(css),
+            view: [short(lower), short(upper)],
+            bodies: looks
+                .iter()
+                .enumerate()
+                .map(|(i, look)| PageBody::new(scene, i, look))
+                .collect(),
+            joints: joints.iter().map(PageJoint::new).collect(),
             runs: runs.iter().map(|run| PageRun::new(run, &moving, stride)).collect(),
             moving,
         }
@@ -131,122 +143,49 @@ impl<'a> Page<'a> {
 }
 
 impl<'a> PageBody<'a> {
-    fn new(scene: &'a Scene, index: usize) -> Self {
-        let body = &scene.bodies()[index];
-        let shapes = scene.colliders()[index].shapes();
-        let radius = shapes.iter().map(farthest).fold(0.0, f64::max);
+    fn new(scene: &'a Scene, index: usize, look: &BodyLook) -> Self {
         Self {
-            name: &body.name,
-            fixed: body.kind != BodyKind::Dynamic,
-            kinematic: body.kind == BodyKind::Kinematic,
-            hue: hue(scene, index),
+            name: &scene.bodies()[index].name,
+            fixed: look.fixed,
+            kinematic: look.kinematic,
+            hue: look.hue,
             pose: short(scene.initial_state().q[index]),
-            radius: Short(radius),
-            mark: Short(shapes.iter().map(reach_along_x).fold(0.0, f64::max)),
-            shapes: shapes.iter().map(PageShape::of).collect(),
+            mark: Short(look.mark),
+            shapes: look.forms.iter().map(PageShape::of).collect(),
         }
-    }
-}
-
-/// Bodies of one group share a colour; others take the next one.
-fn hue(scene: &Scene, index: usize) -> usize {
-    let group = |i: usize| scene.bodies()[i].groups.first();
-    let first = match group(index) {
-        Some(_) => (0..=index).find(|i| group(*i) == group(index)).unwrap_or(index),
-        None => index,
-    };
-    let starts = |i: &usize| {
-        scene.is_dynamic(*i)
-            && (group(*i).is_none() || !(0..*i).any(|earlier| group(earlier) == group(*i)))
-    };
-    (0..first).filter(starts).count()
-}
-
-/// Greatest distance of a bounded shape's points from the origin.
-fn farthest(shape: &Shape) -> f64 {
-    let norm = |[x, y]: [f64; 2]| x.hypot(y);
-    match shape {
-        Shape::Circle { radius, center } => norm(*center) + radius,
-        Shape::Capsule { a, b, radius } => norm(*a).max(norm(*b)) + radius,
-        Shape::Rectangle { .. } | Shape::Polygon { .. } => {
-            corners(shape).into_iter().map(norm).fold(0.0, f64::max)
-        }
-        Shape::HalfPlane { .. } => 0.0,
-    }
-}
-
-/// Length of the mark in the body's x direction: to the rim of a disc, part of the way in others.
-fn reach_along_x(shape: &Shape) -> f64 {
-    match shape {
-        Shape::Circle { radius, .. } => *radius,
-        Shape::Capsule { radius, .. } => 0.8 * radius,
-        Shape::Rectangle { width, height, .. } => 0.35 * width.min(*height),
-        Shape::Polygon { .. } => 0.35 * farthest(shape),
-        Shape::HalfPlane { .. } => 0.0,
-    }
-}
-
-fn corners(shape: &Shape) -> Vec<[f64; 2]> {
-    match shape {
-        Shape::Rectangle { width, height, center: [x, y], angle } => {
-            let (s, c) = angle.sin_cos();
-            [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]
-                .map(|[u, v]| [u * width, v * height])
-                .map(|[u, v]| [x + c * u - s * v, y + s * u + c * v])
-                .into()
-        }
-        Shape::Polygon { points } => {
-            tangency::collision::convex_hull(points).into_iter().map(|i| points[i]).collect()
-        }
-        Shape::Circle { .. } | Shape::Capsule { .. } | Shape::HalfPlane { .. } => Vec::new(),
     }
 }
 
 impl PageShape {
-    fn of(shape: &Shape) -> Self {
-        match shape {
-            Shape::Circle { radius, center } => {
+    fn of(form: &Form) -> Self {
+        match form {
+            Form::Circle { center, radius } => {
                 Self::Circle { c: short(*center), r: Short(*radius) }
             }
-            Shape::Capsule { a, b, radius } => {
+            Form::Capsule { a, b, radius } => {
                 Self::Capsule { a: short(*a), b: short(*b), r: Short(*radius) }
             }
-            Shape::Rectangle { .. } | Shape::Polygon { .. } => {
-                Self::Polygon { points: corners(shape).into_iter().map(short).collect() }
+            Form::Polygon { points } => {
+                Self::Polygon { points: points.iter().map(|p| short(*p)).collect() }
             }
-            Shape::HalfPlane { normal: [x, y], offset } => {
-                let length = x.hypot(*y);
-                let n = short([x / length, y / length]);
-                Self::HalfPlane { halfplane: true, n, offset: Short(*offset) }
+            Form::HalfPlane { normal, offset } => {
+                Self::HalfPlane { halfplane: true, n: short(*normal), offset: Short(*offset) }
             }
         }
     }
 }
 
 impl PageJoint {
-    /// How a joint is drawn; locks are not.
-    fn new(joint: &Joint, def: &JointDef) -> Option<Self> {
-        let kind = match def.kind {
-            JointKind::Revolute { .. } => "revolute",
-            JointKind::Weld { .. } => "weld",
-            JointKind::Prismatic { .. } => "prismatic",
-            JointKind::Distance { .. } => "distance",
-            JointKind::Slot { .. } => "slot",
-            JointKind::Spring { .. } => "spring",
-            JointKind::Lock { .. } => return None,
-        };
-        let axis = joint.free.and_then(|row| match row.measure {
-            Measure::World { axis } | Measure::OnA { axis_local: axis } => Some(short(axis)),
-            Measure::Length | Measure::Angle => None,
-        });
-        Some(Self {
-            kind,
+    fn new(joint: &JointLook) -> Self {
+        let rail = joint.rail.as_ref();
+        Self {
+            kind: joint.kind,
             bodies: joint.bodies.map(|b| b.and_then(|b| b.try_into().ok()).unwrap_or(-1)),
-            ends: joint.anchors.map(short),
-            axis,
-            lower: joint.limits.lower.map(Short),
-            upper: joint.limits.upper.map(Short),
-        })
+            ends: joint.ends.map(short),
+            axis: rail.map(|rail| short(rail.axis)),
+            lower: rail.and_then(|rail| rail.lower).map(Short),
+            upper: rail.and_then(|rail| rail.upper).map(Short),
+        }
     }
 }
 
