@@ -1,7 +1,6 @@
 //! Pictures and replay pages.
 
 use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use tangency::{Scene, State};
 use tangency_view::{Image, Picture, Run, Style, View, replay_html};
@@ -12,7 +11,7 @@ use crate::errors;
 pub(crate) type Corners = (f64, f64, f64, f64);
 
 /// Greatest length of a page inside of a notebook, bytes; larger ones would make the notebook slow.
-const LONGEST_INLINE: usize = 4_000_000;
+const LONGEST_INLINE: usize = 3_000_000;
 
 /// The view that was asked for; one that holds `states` otherwise.
 pub(crate) fn view<'a>(
@@ -53,18 +52,17 @@ pub(crate) fn page(scene: &Scene, run: &tangency::Rollout, title: Option<&str>) 
     replay_html(title.unwrap_or(name), scene, &[Run::from_rollout("run", scene, run)])
 }
 
-/// A page inside of a frame, as notebooks show it.
-pub(crate) fn inline(page: &str) -> PyResult<String> {
+/// A page inside of a frame, as notebooks show it; of one that is too long, what to do.
+pub(crate) fn inline(page: &str) -> String {
     if page.len() > LONGEST_INLINE {
-        let message = format!(
-            "the page has {} bytes, more than a notebook should hold: use save_replay",
-            page.len()
+        let megabytes = page.len() / 1_000_000;
+        return format!(
+            "<p>The replay page has {megabytes} MB: see it with <code>save_replay</code>.</p>"
         );
-        return Err(PyValueError::new_err(message));
     }
     let quoted = page.replace('&', "&amp;").replace('"', "&quot;");
-    Ok(format!(
+    format!(
         "<iframe srcdoc=\"{quoted}\" sandbox=\"allow-scripts\" width=\"100%\" height=\"560\" \
          style=\"border: 0\"></iframe>"
-    ))
+    )
 }

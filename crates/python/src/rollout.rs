@@ -399,7 +399,7 @@ impl Rollout {
     }
 
     /// The page inside of a frame, for notebooks.
-    fn _repr_html_(&self, py: Python<'_>) -> PyResult<String> {
+    fn _repr_html_(&self, py: Python<'_>) -> String {
         picture::inline(&self.replay(py, None))
     }
 

@@ -31,8 +31,8 @@ class PendulumEnv(SceneEnv):
     ends         after 200 steps of 0.05 s (``TimeLimit``)
     ===========  =============================================================================
 
-    A rod of 1 kg and 1 m, g = 10 m/s², no friction: θ̈ = 3g/(2l) sin θ + 3/(m l²) τ, as in ``Pendulum-v1``. What
-    differs: the action is normalised, the time step of the physics is 10 ms instead of 50 ms, and the limit
+    A rod of 1 kg and 1 m, g = 10 m/s², no friction: θ̈ = 3g/(2l) sin θ + 3/(m l²) τ, as in ``Pendulum-v1``.
+    What differs: the action is normalised, the time step of the physics is 10 ms instead of 50 ms, and the limit
     |θ̇| ≤ 8 rad/s acts after each action, not within it.
     """
 
@@ -83,7 +83,7 @@ class PendulumEnv(SceneEnv):
         """What the distance from upright, the rate and the torque cost."""
         angle = (x[..., 0] + np.pi) % (2.0 * np.pi) - np.pi
         torque = MAX_TORQUE * action[..., 0]
-        return np.asarray(-(angle**2 + 0.1 * x[..., 1] ** 2 + 0.001 * torque**2))
+        return -(np.square(angle) + 0.1 * np.square(x[..., 1]) + 0.001 * np.square(torque))
 
 
 def make_vec(num_envs: int = 1, **options: Any) -> VectorEnv:

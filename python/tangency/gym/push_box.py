@@ -16,8 +16,7 @@ __all__ = ["PushBoxEnv"]
 MAX_FORCE = 10.0
 RADIUS = 0.05
 WIDTH, HEIGHT = 0.4, 0.2
-GOAL_SIZE = 0.02
-GOAL_HEIGHT = -0.03
+POLE_HEIGHT = 0.4
 NEAR, SLOW = 0.02, 0.05
 FINGER_LIMITS = (-1.5, 2.0)
 
@@ -50,10 +49,10 @@ class PushBoxEnv(SceneEnv):
 
     @classmethod
     def definition(cls) -> SceneDef:
-        """Floor, goal, finger and box."""
+        """Floor, a pole at the goal that nothing touches, finger and box."""
         floor = BodyDef("floor", "static", shapes=[HalfPlane((0.0, 1.0))], friction=0.3)
-        goal = BodyDef("goal", "static", position=(0.7, GOAL_HEIGHT), mask=0)
-        goal.shapes = [Rectangle(2.0 * GOAL_SIZE, GOAL_SIZE)]
+        goal = BodyDef("goal", "static", position=(0.7, 0.5 * POLE_HEIGHT), mask=0)
+        goal.shapes = [Rectangle(0.02, POLE_HEIGHT)]
         finger = BodyDef("finger", position=(-0.6, 0.5 * HEIGHT), mass=0.5, friction=0.0, shapes=[Circle(RADIUS)])
         pushed = BodyDef("box", position=(0.0, 0.5 * HEIGHT), mass=1.0, friction=0.3)
         pushed.shapes = [Rectangle(WIDTH, HEIGHT)]
@@ -67,9 +66,9 @@ class PushBoxEnv(SceneEnv):
         finger, finger_speed, pushed, pushed_speed, goal = np.moveaxis(x, -1, 0)
         zero = np.zeros_like(finger)
         middle = np.full_like(finger, 0.5 * HEIGHT)
-        below = np.full_like(finger, GOAL_HEIGHT)
+        pole = np.full_like(finger, 0.5 * POLE_HEIGHT)
         floor = [zero, zero, zero]
-        q = [floor, [goal, below, zero], [finger, middle, zero], [pushed, middle, zero]]
+        q = [floor, [goal, pole, zero], [finger, middle, zero], [pushed, middle, zero]]
         v = [floor, floor, [finger_speed, zero, zero], [pushed_speed, zero, zero]]
         return stacked(q), stacked(v)
 

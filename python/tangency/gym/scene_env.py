@@ -64,8 +64,8 @@ class SceneEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
     frame_size: ClassVar[tuple[int, int]] = (600, 400)
     """Width and height of pictures, pixels."""
 
-    action_space: spaces.Box
-    observation_space: spaces.Box
+    action_space: spaces.Box[np.float32]
+    observation_space: spaces.Box[np.float32]
 
     def __init__(
         self,
@@ -126,7 +126,8 @@ class SceneEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
     @property
     def state(self) -> State:
         """Poses and velocities of all bodies now."""
-        return self.simulator.state
+        state: State = self.simulator.state
+        return state
 
     def draw_start(self, generator: np.random.Generator, options: Mapping[str, Any] | None = None) -> Array:
         """Coordinates of a start.
@@ -144,7 +145,9 @@ class SceneEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
         ValueError
             If there is an unknown option or one of a wrong shape.
         """
-        options = dict(options or {})
+        if not options:
+            return generator.uniform(*self.start)
+        options = dict(options)
         low, high = (np.asarray(end, dtype=np.float64) for end in self.start)
         exact = options.pop("x", None)
         low = _like(low, "low", options.pop("low", low))
@@ -189,7 +192,7 @@ class SceneEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
         reward = self.reward(before, bounded, self._x, terminated)
         return self._observation(), float(reward), bool(terminated), False, {}
 
-    def render(self) -> Frame | None:  # type: ignore[override]
+    def render(self) -> Frame | None:
         """A picture, uint8 of shape (height, width, 3), in the mode ``"rgb_array"``."""
         if self.render_mode is None:
             gymnasium.logger.warn('there are no pictures; make the environment with render_mode="rgb_array"')
@@ -199,7 +202,8 @@ class SceneEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
     def picture(self, state: State | tuple[Array, Array]) -> Frame:
         """A picture of a state, uint8 of shape (height, width, 3)."""
         width, height = self.frame_size
-        return self.scene.picture(state, width, height, view=self.view)
+        frame: Frame = self.scene.picture(state, width, height, view=self.view)
+        return frame
 
     def clipped(self, action: npt.ArrayLike, shape: tuple[int, ...]) -> Array:
         """Actions of a shape, inside of the action space."""
@@ -216,7 +220,7 @@ class SceneEnv(gymnasium.Env[npt.NDArray[np.float32], npt.NDArray[np.float32]]):
         return self.observe(self._x).astype(np.float32)
 
 
-def box(*high: float) -> spaces.Box:
+def box(*high: float) -> spaces.Box[np.float32]:
     """A box from -`high` to `high`."""
     ends = np.array(high, dtype=np.float32)
     return spaces.Box(-ends, ends, dtype=np.float32)
