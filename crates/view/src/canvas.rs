@@ -161,7 +161,9 @@ fn path(points: &[Point]) -> Option<tiny_skia::Path> {
     let (first, rest) = points.split_first()?;
     let mut path = PathBuilder::new();
     path.move_to(pixels(first[0]), pixels(first[1]));
-    rest.iter().for_each(|p| path.line_to(pixels(p[0]), pixels(p[1])));
+    for p in rest {
+        path.line_to(pixels(p[0]), pixels(p[1]));
+    }
     path.close();
     path.finish()
 }

@@ -63,7 +63,9 @@ impl View {
         start.fill_out();
         start.add_fixed(looks, first);
         let mut all = start;
-        states.iter().for_each(|state| all.add_moving(looks, state));
+        for state in states {
+            all.add_moving(looks, state);
+        }
         all.within(&start, SLACK * start.size()).with_margin()
     }
 

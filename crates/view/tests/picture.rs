@@ -1,6 +1,8 @@
 //! Pictures, pixel by pixel.
 
-use tangency_core::{BodyDef, BodyKind, JointDef, JointKind, Scene, SceneDef, Shape, State, WORLD};
+use tangency_core::{
+    BodyDef, BodyKind, JointDef, JointKind, Limits, Scene, SceneDef, Shape, State, WORLD,
+};
 use tangency_view::{Image, Picture, Rgb, Style, View, ViewError};
 
 const WHITE: Rgb = [255; 3];
@@ -158,7 +160,7 @@ fn joints_are_shown_unless_they_are_not_wanted() {
         JointKind::Slot {
             anchor: ends.1,
             axis: [1.0, 0.0],
-            limits: Default::default(),
+            limits: Limits::default(),
             motor: None,
         },
     ];
