@@ -12,6 +12,7 @@ mod errors;
 mod gradient;
 mod impulse;
 mod lcp;
+mod picture;
 mod plan;
 mod plan_callbacks;
 mod report;

@@ -1,6 +1,7 @@
 //! Runs of one scene, and their derivatives.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayDyn};
@@ -14,12 +15,13 @@ use crate::arrays::{self, Numbers};
 use crate::controls::{Controls, Policy};
 use crate::gradient::Gradient;
 use crate::impulse::{self, Impulse};
+use crate::picture::Corners;
 use crate::report::GradientReport;
 use crate::scene::Scene;
 use crate::seeds::{self, Bars};
 use crate::solver::Solver;
 use crate::step_jacobian::StepJacobian;
-use crate::{errors, state, threads};
+use crate::{errors, picture, state, threads};
 
 /// A run, with everything that its derivatives need.
 ///
@@ -117,6 +119,14 @@ impl Rollout {
 
     fn shape(&self) -> [usize; 3] {
         [self.run.records.len() + 1, self.it().bodies().len(), 3]
+    }
+
+    /// The index of a state; negative ones count from the end.
+    fn index(&self, k: isize) -> PyResult<usize> {
+        let count = self.run.records.len() + 1;
+        let index = if k < 0 { count.checked_add_signed(k) } else { k.try_into().ok() };
+        let none = || PyIndexError::new_err(format!("there is no state {k}; there are {count}"));
+        index.filter(|index| *index < count).ok_or_else(none)
     }
 
     fn record(&self, step: usize) -> PyResult<&tangency::StepRecord> {
@@ -231,11 +241,7 @@ impl Rollout {
     /// IndexError
     ///     If there is no such state.
     fn state<'py>(&self, py: Python<'py>, step: isize) -> PyResult<Bound<'py, PyAny>> {
-        let count = self.run.records.len() + 1;
-        let k = if step < 0 { count.checked_add_signed(step) } else { step.try_into().ok() };
-        let none = || PyIndexError::new_err(format!("there is no state {step}; there are {count}"));
-        let k = k.filter(|k| *k < count).ok_or_else(none)?;
-        state::to_python(py, self.run.state(k))
+        state::to_python(py, self.run.state(self.index(step)?))
     }
 
     /// The last state.
@@ -536,6 +542,81 @@ impl Rollout {
         let mode = GradientMode::Smoothed { kappa };
         py.detach(|| mode.prepare(&mut run)).map_err(errors::gradient)?;
         Ok(Self { scene: self.scene.clone_ref(py), run: Arc::new(run), kappa: Some(kappa) })
+    }
+
+    /// A picture of state k, -1 for the last one.
+    ///
+    /// Parameters
+    /// ----------
+    /// k : int
+    ///     Which state, from -1 - steps to steps.
+    /// width, height : int
+    ///     Pixels, 1 to 8000.
+    /// view : (float, float, float, float), optional
+    ///     What part of the world it holds: x from, to, y from, to, m; fitted to the whole run unless given.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint8, shape (height, width, 3)
+    ///     Red, green and blue, from the top left.
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such state.
+    /// ValueError
+    ///     If there is no such size or view.
+    #[pyo3(signature = (k, width = 600, height = 400, *, view = None))]
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        k: isize,
+        width: u32,
+        height: u32,
+        view: Option<Corners>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let state = self.run.state(self.index(k)?);
+        let view = picture::view(self.it(), view, self.run.states())?;
+        picture::rgb(py, &picture::draw(py, self.it(), state, (width, height), view)?)
+    }
+
+    /// The HTML page that plays the run in a browser, without a network.
+    ///
+    /// Parameters
+    /// ----------
+    /// title : str, optional
+    ///     Its title; the scene's name unless given.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     All of it; of long runs every few steps, so that it has a few MB at most.
+    #[pyo3(signature = (title = None))]
+    fn replay(&self, py: Python<'_>, title: Option<&str>) -> String {
+        py.detach(|| picture::page(self.it(), &self.run, title))
+    }
+
+    /// Writes the page that `replay` makes.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     The file.
+    /// title : str, optional
+    ///     The page's title; the scene's name unless given.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written.
+    #[pyo3(signature = (path, title = None))]
+    fn save_replay(&self, py: Python<'_>, path: PathBuf, title: Option<&str>) -> PyResult<()> {
+        Ok(std::fs::write(path, self.replay(py, title))?)
+    }
+
+    /// The page inside of a frame, for notebooks.
+    fn _repr_html_(&self, py: Python<'_>) -> String {
+        picture::inline(&self.replay(py, None))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Kept<'py>)> {

@@ -5,16 +5,17 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use nalgebra::DVector;
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use tangency::diff::Coordinates;
 use tangency::{BodyKind, Param, Parameter, SceneFormat, StateVector};
 
 use crate::arrays::{self, Numbers};
-use crate::{errors, state};
+use crate::picture::Corners;
+use crate::{errors, picture, state};
 
 /// A checked scene: bodies, joints, forces, control channels and the numbers of the model.
 ///
@@ -536,6 +537,60 @@ impl Scene {
     #[staticmethod]
     fn _rebuild(text: &str, changes: Vec<(String, f64)>) -> PyResult<Self> {
         Self::parse(text, "json")?.changed(changes)
+    }
+
+    /// Shapes of every body as in a scene file, but about the centres of mass.
+    ///
+    /// A list per body of mappings like ``{"circle": {"radius": 0.1, "center": [0.0, 0.0]}}``; with the numbers
+    /// that `with_values` gave.
+    #[getter]
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let all: Vec<_> =
+            self.scene.colliders().iter().map(tangency::collision::Collider::shapes).collect();
+        let text = serde_json::to_string(&all).map_err(errors::value)?;
+        py.import(intern!(py, "json"))?.call_method1(intern!(py, "loads"), (text,))
+    }
+
+    /// A picture of a state, the initial one unless given.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State, optional
+    ///     What is shown.
+    /// width, height : int
+    ///     Pixels, 1 to 8000.
+    /// view : (float, float, float, float), optional
+    ///     What part of the world it holds: x from, to, y from, to, m; fitted to the state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint8, shape (height, width, 3)
+    ///     Red, green and blue, from the top left.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such size, view or state.
+    #[pyo3(signature = (state = None, width = 600, height = 400, *, view = None))]
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        state: Option<&Bound<'py, PyAny>>,
+        width: u32,
+        height: u32,
+        view: Option<Corners>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let state = state::from_python(&self.scene, state)?;
+        let view = picture::view(&self.scene, view, [&state])?;
+        picture::rgb(py, &picture::draw(py, &self.scene, &state, (width, height), view)?)
+    }
+
+    /// The initial state as a PNG file, for notebooks.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let state = self.scene.initial_state();
+        let view = picture::view(&self.scene, None, [&state])?;
+        let image = picture::draw(py, &self.scene, &state, (600, 400), view)?;
+        Ok(PyBytes::new(py, &image.to_png().map_err(errors::value)?))
     }
 
     /// Text that tells scenes apart: equal for equal scenes.
