@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import inspect
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import torch
@@ -49,10 +50,17 @@ def _constant(part: object) -> object:
     return float(part) if isinstance(part, torch.SymFloat) else part
 
 
+def signed(forward: Callable[..., tuple[Tensor, ...]]) -> Callable[..., tuple[Tensor, ...]]:
+    """Writes a function's signature down: PyTorch asks for it in every call, and to find it out takes long."""
+    forward.__signature__ = inspect.signature(forward)  # type: ignore[attr-defined]
+    return forward
+
+
 class Value(torch.autograd.Function):
     """The outputs."""
 
     @staticmethod
+    @signed
     def forward(call: Call, *inputs: Tensor) -> tuple[Tensor, ...]:
         if call.opaque:
             return tuple(operators.value(list(inputs), call.map.text))
@@ -111,6 +119,7 @@ class Pullback(Derivative):
     """Derivatives by all inputs, from those by the outputs."""
 
     @staticmethod
+    @signed
     def forward(call: Call, *given: Any) -> tuple[Tensor, ...]:
         count = len(call.output_ranks)
         bars, inputs = given[:count], given[count:]
@@ -134,6 +143,7 @@ class Pushforward(Derivative):
     """Changes of the outputs, from those of the inputs."""
 
     @staticmethod
+    @signed
     def forward(call: Call, *given: Any) -> tuple[Tensor, ...]:
         count = len(call.ranks)
         rates, inputs = given[:count], given[count:]
