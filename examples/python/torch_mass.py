@@ -37,10 +37,10 @@ def plot(masses: list[float], file: Path) -> None:
     from matplotlib import pyplot
 
     figure, axes = pyplot.subplots()
-    axes.plot(masses, label="learned")
-    axes.axhline(0.7, color="black", linestyle=":", label="true")
+    axes.plot(masses)
+    axes.axhline(0.7, color="black", linestyle=":")  # the true one
     axes.set(xlabel="update", ylabel="mass of a link")
-    axes.legend()
+    file.parent.mkdir(exist_ok=True)
     figure.savefig(file)
     print(f"plot: {file}")
 
@@ -48,7 +48,7 @@ def plot(masses: list[float], file: Path) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--updates", type=int, default=100)
-    parser.add_argument("--plot", type=Path, default=Path("chain_mass.png"))
+    parser.add_argument("--plot", type=Path, default=Path("out/chain_mass.png"))
     options = parser.parse_args()
     losses, masses = learn(options.updates)
     print("update        loss      mass")

@@ -1,7 +1,5 @@
 """PyTorch layers: values and derivatives against the NumPy API, closed forms and finite differences."""
 
-import copy
-import pickle
 import sys
 import threading
 
@@ -13,44 +11,12 @@ import tangency
 torch = pytest.importorskip("torch")
 
 import tangency.torch  # noqa: E402
+from dragged import NAMES, SCENE, STEPS, inputs  # noqa: E402
 
 # PyTorch's own, at the first use of some transforms.
 pytestmark = pytest.mark.filterwarnings("ignore:.*torch.jit.*:FutureWarning", "ignore:.*torch.jit.*:DeprecationWarning")
 
-F = torch.func
 close = torch.testing.assert_close
-
-
-def dragged() -> tangency.Scene:
-    """A box that slides on a floor and drags a rod behind it: contact, friction and a joint; one control."""
-    floor = tangency.BodyDef("floor", "static", shapes=[tangency.HalfPlane((0, 1))], friction=0.4)
-    box = tangency.BodyDef("box", position=(0, 0.1), velocity=(1.5, 0), shapes=[tangency.Rectangle(0.4, 0.2)])
-    rod = tangency.BodyDef("rod", position=(-0.5, 0.13), angle=0.2, shapes=[tangency.Capsule((-0.3, 0), (0.3, 0), 0.03)])
-    hinge = tangency.JointDef("hinge", ("box", "rod"), tangency.Revolute((-0.2, 0.1)))
-    push = tangency.ControlDef("push", "force_x", "box")
-    return tangency.Scene(tangency.SceneDef([floor, box, rod], [hinge], controls=[push], dt=0.01, duration=0.2))
-
-
-SCENE = dragged()
-STEPS = 6
-NAMES = ("mass:box", "friction:floor", "gravity.y")
-
-
-def inputs(batch=None, dtype=torch.float64):
-    """q0, v0, controls and values near those of the scene, all with a batch or without."""
-    random = np.random.default_rng(1)
-    q, v, _ = SCENE.initial_state
-    shape = () if batch is None else (batch,)
-
-    def near(x, size):
-        return torch.tensor(x + size * random.standard_normal((*shape, *np.shape(x))), dtype=dtype)
-
-    # What is pressed into the floor or apart from it touches or not: velocities and forces vary, poses do not.
-    moving = np.array([[0.0], [1.0], [1.0]])
-    v0 = torch.as_tensor(v + moving * random.standard_normal((*shape, 1, 1)) * [0.1, 0, 0], dtype=dtype)
-    q0 = torch.as_tensor(np.broadcast_to(q, (*shape, *q.shape)).copy(), dtype=dtype)
-    values = [near(SCENE.value(name), 0.01) for name in NAMES]
-    return q0, v0, near(np.zeros((STEPS, 1)), 0.5), *values
 
 
 def run(q0, v0, controls, *values, **options):
@@ -207,86 +173,6 @@ def test_forces_begin_at_their_time():
         close(tangency.torch.step(scene, q.expand(2, 1, 3), q, time=time)[1][1, 0, 0].item(), speed)
 
 
-# ---- torch.func ------------------------------------------------------------------------------------------------------
-
-
-V0 = inputs()[1]
-
-
-def by_numbers(controls, mass):
-    """A function of few numbers, for all transforms."""
-    q, v = tangency.torch.rollout(SCENE, v0=V0, controls=controls, values={"mass:box": mass})
-    return torch.cat([q[-1, 1:].flatten(), v[-1, 1:].flatten()])
-
-
-def test_jacobians_agree():
-    _, _, controls, mass, *_ = inputs()
-    reverse = F.jacrev(by_numbers, (0, 1))(controls, mass)
-    forward = F.jacfwd(by_numbers, (0, 1))(controls, mass)
-    close(reverse, forward, rtol=1e-10, atol=1e-12)
-    tangent = F.jvp(by_numbers, (controls, mass), (torch.ones_like(controls), torch.ones_like(mass)))[1]
-    close(tangent, reverse[0].sum((1, 2)) + reverse[1], rtol=1e-10, atol=1e-12)
-
-
-def test_vmap_is_a_batch():
-    _, _, controls, mass, *_ = inputs(batch=3)
-    rows = [by_numbers(*row) for row in zip(controls, mass, strict=True)]
-    close(F.vmap(by_numbers)(controls, mass), torch.stack(rows), rtol=0, atol=0)
-    close(F.vmap(by_numbers, (1, 0), 1)(controls.movedim(0, 1), mass), torch.stack(rows, 1), rtol=0, atol=0)
-    shared = [by_numbers(row, mass[0]) for row in controls]
-    close(F.vmap(by_numbers, (0, None))(controls, mass[0]), torch.stack(shared), rtol=0, atol=0)
-    table = F.vmap(F.vmap(by_numbers, (0, None)), (None, 0))(controls, mass)
-    close(table[1, 2], by_numbers(controls[2], mass[1]), rtol=0, atol=0)
-
-
-def test_vmap_of_derivatives():
-    _, _, controls, mass, *_ = inputs(batch=3)
-    for transform in (F.jacrev, F.jacfwd):
-        derivative = transform(by_numbers, (0, 1))
-        rows = [derivative(*row) for row in zip(controls, mass, strict=True)]
-        found = F.vmap(derivative)(controls, mass)
-        close(found, tuple(torch.stack(parts) for parts in zip(*rows, strict=True)), rtol=1e-10, atol=1e-12)
-    # The number is shared by the batch within, and so its derivative is a sum; not over the axis of vmap.
-    weights = torch.randn(2, 3, 12, dtype=torch.float64, generator=torch.Generator().manual_seed(0))
-    batched = F.vmap(by_numbers, (0, None))
-    pull = F.vjp(batched, controls, mass[0])[1]
-    by_controls, by_mass = F.vmap(pull)(weights)
-    for k in range(2):
-        close((by_controls[k], by_mass[k]), pull(weights[k]), rtol=1e-10, atol=1e-12)
-
-
-def test_explicit_batch_within_vmap():
-    def within(controls, friction):
-        q, _ = tangency.torch.rollout(SCENE, controls=controls, values={"friction:floor": friction})
-        return q[:, -1, 1, 0]
-
-    _, _, controls, _, friction, _ = inputs(batch=4)
-    found = F.vmap(within, (None, 0))(controls, friction)
-    close(found, torch.stack([within(controls, mu) for mu in friction]), rtol=0, atol=0)
-    jacobian = F.vmap(F.jacrev(within, 1), (None, 0))(controls, friction)
-    close(jacobian, torch.stack([F.jacrev(within, 1)(controls, mu) for mu in friction]), rtol=1e-10, atol=1e-12)
-    close(jacobian, F.vmap(F.jacfwd(within, 1), (None, 0))(controls, friction), rtol=1e-10, atol=1e-12)
-
-
-def test_second_derivatives_are_refused():
-    _, _, controls, mass, *_ = inputs()
-
-    def loss(mass):
-        return by_numbers(controls, mass).square().sum()
-
-    def double():
-        leaf = mass.clone().requires_grad_()
-        (g,) = torch.autograd.grad(loss(leaf), leaf, create_graph=True)
-        (g.sum() + leaf.sum()).backward()
-
-    second = [double]
-    for outer in (F.jacfwd, F.jacrev):
-        second += [lambda a=outer, b=inner: a(b(loss))(mass) for inner in (F.jacfwd, F.jacrev)]
-    for it in second:
-        with pytest.raises(NotImplementedError, match="first derivatives only"):
-            it()
-
-
 # ---- errors ----------------------------------------------------------------------------------------------------------
 
 
@@ -323,93 +209,6 @@ def test_errors_of_the_engine(batch):
     q, _ = tangency.torch.rollout(SCENE, controls=leaf)
     with pytest.raises(tangency.GradientError):
         (q.sum() * torch.inf).backward()
-
-
-# ---- modules ---------------------------------------------------------------------------------------------------------
-
-
-def test_module_has_the_numbers_as_parameters():
-    layer = tangency.torch.Rollout(SCENE, STEPS, ["mass:box", "gravity.y"], dtype=torch.float64)
-    names = [name for name, _ in layer.named_parameters()]
-    assert names == list(layer.state_dict()) == ["mass:box", "gravity/y"]
-    assert layer.values()["gravity.y"].item() == -9.81 and "gravity.y" in repr(layer)
-    state = {"mass:box": torch.tensor(0.2), "gravity/y": torch.tensor(-4.0)}
-    layer.load_state_dict(state)
-    assert layer.scene() == SCENE.with_values({"mass:box": layer.values()["mass:box"].item(), "gravity.y": -4.0})
-    for other in (copy.deepcopy(layer), pickle.loads(pickle.dumps(layer))):
-        close(other(), layer(), rtol=0, atol=0)
-    with pytest.raises(tangency.SceneError, match="no body or group"):
-        tangency.torch.Rollout(SCENE, learn=["mass:nobody"])
-    with pytest.raises(TypeError, match="list of names"):
-        tangency.torch.Rollout(SCENE, learn="mass:box")
-
-
-def test_module_learns_friction():
-    # A block stops after v²/(2 μ g).
-    floor = tangency.BodyDef("floor", "static", shapes=[tangency.HalfPlane((0, 1))], friction=0.4)
-    block = tangency.BodyDef("block", position=(0, 0.1), shapes=[tangency.Rectangle(0.4, 0.2)], friction=0.4)
-    scene = tangency.Scene(tangency.SceneDef([floor, block], dt=0.005, duration=1.0))
-    layer = tangency.torch.Rollout(scene, learn=["friction:*"])
-    v0 = torch.tensor([[0.0, 0, 0], [2.0, 0, 0]])
-    optimizer = torch.optim.SGD(layer.parameters(), lr=0.2)
-    for _ in range(40):
-        optimizer.zero_grad()
-        q, _ = layer(v0=v0)
-        loss = (q[-1, 1, 0] - 2.0**2 / (2 * 0.5 * 9.81)).square()
-        loss.backward()
-        optimizer.step()
-    assert layer.scene().value("friction:block") == pytest.approx(0.5, abs=0.01)
-
-
-def test_parameters_may_be_parametrized():
-    class Exp(torch.nn.Module):
-        def forward(self, x):
-            return x.exp()
-
-        def right_inverse(self, x):
-            return x.log()
-
-    layer = tangency.torch.Rollout(SCENE, STEPS, ["mass:box"], dtype=torch.float64)
-    plain = copy.deepcopy(layer)
-    torch.nn.utils.parametrize.register_parametrization(layer, "mass:box", Exp())
-    layer()[0].sum().backward()
-    plain()[0].sum().backward()
-    mass, (log,) = SCENE.value("mass:box"), layer.parameters()
-    close(log.grad, mass * plain.values()["mass:box"].grad)
-
-
-# ---- complementarity problems ----------------------------------------------------------------------------------------
-
-
-def problems(count, n=5):
-    random = np.random.default_rng(3)
-    a = random.standard_normal((count, n, n))
-    matrix = a @ a.transpose(0, 2, 1) + np.eye(n) + a - a.transpose(0, 2, 1)
-    return torch.tensor(matrix), torch.tensor(random.standard_normal((count, n)))
-
-
-@pytest.mark.parametrize("free", [0, 2])
-def test_lcp(free):
-    matrix, q = problems(3)
-
-    def solve(matrix, q):
-        return tangency.torch.solve_lcp(matrix, q, free)
-
-    z = solve(matrix, q)
-    for k in range(3):
-        assert np.array_equal(z[k], tangency.solve_lcp(matrix[k], q[k], free=free).z)
-        close(solve(matrix[k], q[k]), z[k], rtol=0, atol=0)
-    leaves = (matrix.clone().requires_grad_(), q.clone().requires_grad_())
-    assert torch.autograd.gradcheck(solve, leaves, check_forward_ad=True)
-    shared = (matrix[0].clone().requires_grad_(), q.clone().requires_grad_())
-    assert torch.autograd.gradcheck(solve, shared, check_forward_ad=True)
-
-
-def test_lcp_errors():
-    with pytest.raises(ValueError, match=r"matrix has shape \(2, 3\); give \(n, n\) = \(2, 2\)"):
-        tangency.torch.solve_lcp(torch.zeros(2, 3), torch.zeros(2))
-    with pytest.raises(tangency.SolveError):
-        tangency.torch.solve_lcp(torch.tensor([[0.0]]), torch.tensor([-1.0]))
 
 
 # ---- threads ---------------------------------------------------------------------------------------------------------

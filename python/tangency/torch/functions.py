@@ -35,7 +35,7 @@ def evaluate(map: Map, inputs: Sequence[Tensor]) -> tuple[Tensor, ...]:
     return outputs
 
 
-@torch.compiler.allow_in_graph
+@torch.compiler.allow_in_graph  # type: ignore[untyped-decorator]
 def evaluate_opaque(kind: str, parts: tuple[object, ...], *inputs: Tensor) -> tuple[Tensor, ...]:
     """The same within a graph, where maps are made of constants."""
     map = map_from(map_text(kind, [_constant(part) for part in parts]))
@@ -161,7 +161,9 @@ class Pushforward(Derivative):
 class Axis:
     """An axis of `torch.vmap`, joined with the batch that is within, if there is one."""
 
-    def __init__(self, size: int, tensors: Sequence[Tensor | None], dims: Sequence[int | None], ranks: list[int]) -> None:
+    def __init__(
+        self, size: int, tensors: Sequence[Tensor | None], dims: Sequence[int | None], ranks: Sequence[int]
+    ) -> None:
         self.size = size
         # The axis in front, where a tensor has it.
         self.tensors = [t if t is None or d is None else t.movedim(d, 0) for t, d in zip(tensors, dims, strict=True)]
@@ -193,4 +195,4 @@ class Axis:
 
     def parted(self, tensor: Tensor) -> Tensor:
         """The axis and the batch within apart again."""
-        return tensor if self.inner is None else tensor.unflatten(0, (self.size, self.inner))
+        return tensor if self.inner is None else tensor.reshape(self.size, self.inner, *tensor.shape[1:])

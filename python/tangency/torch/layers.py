@@ -10,7 +10,7 @@ from torch import Tensor
 from tangency._native import Scene
 from tangency.torch.functions import evaluate, evaluate_opaque
 from tangency.torch.inputs import Inputs
-from tangency.torch.maps import LcpMap, RolloutMap, scene_text
+from tangency.torch.maps import Backend, LcpMap, RolloutMap, scene_text
 
 __all__ = ["rollout", "solve_lcp", "step"]
 
@@ -23,7 +23,7 @@ def rollout(
     v0: Tensor | None = None,
     controls: Tensor | None = None,
     values: Mapping[str, Tensor | float] | None = None,
-    backend: str = "ipm",
+    backend: Backend = "ipm",
     kappa: float | None = None,
     time: float = 0.0,
 ) -> tuple[Tensor, Tensor]:
@@ -109,7 +109,7 @@ def step(
     control: Tensor | None = None,
     values: Mapping[str, Tensor | float] | None = None,
     *,
-    backend: str = "ipm",
+    backend: Backend = "ipm",
     kappa: float | None = None,
     time: float = 0.0,
 ) -> tuple[Tensor, Tensor]:
@@ -139,7 +139,7 @@ def step(
     return q.select(-3, 1), v.select(-3, 1)
 
 
-def solve_lcp(matrix: Tensor, q: Tensor, free: int = 0, *, backend: str = "ipm") -> Tensor:
+def solve_lcp(matrix: Tensor, q: Tensor, free: int = 0, *, backend: Backend = "ipm") -> Tensor:
     """Solves linear complementarity problems ``w = M z + q``, ``0 ≤ z ⟂ w ≥ 0``; differentiable by both.
 
     Parameters

@@ -1,6 +1,7 @@
 """What the engine computes, on arrays: values of maps, and their derivatives both ways.
 
-Nothing here knows PyTorch. A map takes arrays of fixed ranks; with a batch, every array has one dimension more, in front.
+Nothing here knows PyTorch. A map takes arrays of fixed ranks; with a batch, every array has one dimension more, in
+front.
 """
 
 from __future__ import annotations
@@ -9,17 +10,18 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from tangency._native import Batch, LcpSolution, Rollout, Rollouts, Scene, rollout, solve_lcp
 
-__all__ = ["LcpMap", "Map", "RolloutMap", "Tape", "map_from", "map_text", "scene_text"]
+__all__ = ["Backend", "LcpMap", "Map", "RolloutMap", "Tape", "map_from", "map_text", "scene_text"]
 
 Array = npt.NDArray[np.float64]
 Shape = tuple[int, ...]
+Backend = Literal["ipm", "clarabel", "lemke"]
 
 
 class Tape(Protocol):
@@ -63,7 +65,7 @@ class RolloutMap:
     scene: Scene
     steps: int
     names: tuple[str, ...]
-    backend: str = "ipm"
+    backend: Backend = "ipm"
     kappa: float | None = None
     time: float = 0.0
 
@@ -117,7 +119,8 @@ class RolloutTape:
         return [np.asarray(found[name] if name in numbers else getattr(found, name)) for name in self.names]
 
     def jvp(self, rates: Sequence[Array | None]) -> list[Array]:
-        along = {name: rate for name, rate in zip(self.names, rates, strict=True) if rate is not None}
+        pairs = zip(self.names, rates, strict=True)
+        along: dict[str, Any] = {name: rate for name, rate in pairs if rate is not None}
         state = {name: along.pop(name, None) for name in ("q0", "v0", "controls")}
         return list(self.runs.tangent(**state, values=along))
 
@@ -128,7 +131,7 @@ class LcpMap:
 
     size: int
     free: int = 0
-    backend: str = "ipm"
+    backend: Backend = "ipm"
     names: tuple[str, ...] = ("matrix", "q")
 
     @property

@@ -9,6 +9,7 @@ from torch import Tensor
 
 from tangency._native import Scene
 from tangency.torch.layers import rollout
+from tangency.torch.maps import Backend
 
 __all__ = ["Rollout"]
 
@@ -56,7 +57,7 @@ class Rollout(torch.nn.Module):
         steps: int | None = None,
         learn: Sequence[str] = (),
         *,
-        backend: str = "ipm",
+        backend: Backend = "ipm",
         kappa: float | None = None,
         dtype: torch.dtype | None = None,
         device: torch.device | str | None = None,

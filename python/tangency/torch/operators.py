@@ -8,6 +8,7 @@ is kept between calls: derivatives make the run again.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,15 +43,6 @@ def _pushforward(inputs: list[Tensor], rates: list[Tensor], map: str) -> list[Te
     return tensors(Evaluation(map_from(map)).jvp(arrays(inputs), arrays(rates)))
 
 
-def _register(name: str, run: object, schema: str) -> torch.library.CustomOpDef:
-    return torch.library.custom_op(f"tangency::{name}", run, mutates_args=(), schema=schema)  # type: ignore[no-any-return, call-overload]
-
-
-value = _register("value", _value, "(Tensor[] inputs, str map) -> Tensor[]")
-pullback = _register("pullback", _pullback, "(Tensor[] inputs, Tensor[] bars, str map) -> Tensor[]")
-pushforward = _register("pushforward", _pushforward, "(Tensor[] inputs, Tensor[] rates, str map) -> Tensor[]")
-
-
 def _ranks(shapes: Sequence[Shape]) -> list[int]:
     return [len(shape) for shape in shapes]
 
@@ -59,19 +51,31 @@ def _outputs(like: Tensor, batch: int | None, shapes: Sequence[Shape]) -> list[T
     return [like.new_empty(shape if batch is None else (batch, *shape)) for shape in shapes]
 
 
-@value.register_fake
-def _(inputs: list[Tensor], map: str) -> list[Tensor]:
+def _value_shapes(inputs: list[Tensor], map: str) -> list[Tensor]:
     it = map_from(map)
     return _outputs(inputs[0], batch_size(inputs, _ranks(it.shapes)), it.outputs)
 
 
-@pullback.register_fake
-def _(inputs: list[Tensor], bars: list[Tensor], map: str) -> list[Tensor]:
+def _pullback_shapes(inputs: list[Tensor], bars: list[Tensor], map: str) -> list[Tensor]:
     return [torch.empty_like(tensor, memory_format=torch.contiguous_format) for tensor in inputs]
 
 
-@pushforward.register_fake
-def _(inputs: list[Tensor], rates: list[Tensor], map: str) -> list[Tensor]:
+def _pushforward_shapes(inputs: list[Tensor], rates: list[Tensor], map: str) -> list[Tensor]:
     it = map_from(map)
     batch = batch_size([*inputs, *rates], _ranks(it.shapes) * 2)
     return _outputs(inputs[0], batch, it.outputs)
+
+
+def _operator(name: str, run: Any, shapes: Any, schema: str) -> Any:
+    operator: Any = torch.library.custom_op(f"tangency::{name}", run, mutates_args=(), schema=schema)
+    operator.register_fake(shapes)
+    return operator
+
+
+value = _operator("value", _value, _value_shapes, "(Tensor[] inputs, str map) -> Tensor[]")
+pullback = _operator(
+    "pullback", _pullback, _pullback_shapes, "(Tensor[] inputs, Tensor[] bars, str map) -> Tensor[]"
+)
+pushforward = _operator(
+    "pushforward", _pushforward, _pushforward_shapes, "(Tensor[] inputs, Tensor[] rates, str map) -> Tensor[]"
+)
