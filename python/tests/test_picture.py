@@ -119,3 +119,7 @@ def test_shapes_are_given_about_centres_of_mass():
     assert first["rectangle"]["center"] == pytest.approx([-2, 0])
     assert second["rectangle"]["center"] == pytest.approx([2, 0])
     assert second["rectangle"]["angle"] == 0.5
+
+
+def test_shapes_have_the_numbers_that_were_given(scene):
+    assert scene.with_values({"radius:ball": 0.4}).shapes[1] == [{"circle": {"radius": 0.4, "center": [0.0, 0.0]}}]
