@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Union
 
 import numpy as np
+import numpy.typing as npt
 
 __all__ = [
     "BodyDef",
@@ -40,7 +41,7 @@ __all__ = [
     "to_json",
 ]
 
-Point = Sequence[float]
+Point = Union[Sequence[float], npt.NDArray[np.float64]]
 """Two numbers, m."""
 
 

@@ -3,6 +3,7 @@
 mod events;
 mod gradients;
 mod smooth;
+mod users;
 
 use tangency::{SceneDef, Stepping};
 

@@ -6,9 +6,10 @@ use tangency::diff::{
     Coordinates, DiffError, GaussNewton, ResidualSeed, RolloutVector, StateVector, StepJacobian,
     step_jacobian,
 };
-use tangency::{LcpSolver, Rollout, Scene, rollout};
+use tangency::{LcpSolver, Rollout, Scene, SceneDef, rollout};
 use tangency_bench::scenes::race_cartpole;
 
+use crate::accurate::accurate;
 use crate::engine::{backends, built, near};
 
 const STEPS: usize = 25;
@@ -70,7 +71,16 @@ fn wave(n: usize, phase: f64) -> DVector<f64> {
 
 #[test]
 fn products_with_the_matrix() {
-    let scene = built(&race_cartpole());
+    check_products(&race_cartpole());
+}
+
+#[test]
+fn products_of_accurate_steps() {
+    check_products(&accurate(race_cartpole(), race_cartpole().dt));
+}
+
+fn check_products(def: &SceneDef) {
+    let scene = built(def);
     for solver in backends() {
         let run = play(&scene, &*solver);
         let jacobian = dense(&scene, &run);

@@ -2,14 +2,17 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use tangency::diff::JointMotionError;
 use tangency::{
-    JointDef, JointKind, Limits, Scene, SceneDef, State, StateVector, WORLD, gradient,
-    joint_motion, simulate,
+    JointDef, JointKind, Limits, Scene, SceneDef, SceneFormat, State, StateVector, Stepping, WORLD,
+    gradient, joint_motion, parse_scene, simulate,
 };
 use tangency_bench::finite_difference::derivative;
-use tangency_bench::scenes::{block, double_pendulum, hinge, parallelogram, pendulum, unit_scene};
+use tangency_bench::scenes::{
+    block, double_pendulum, hinge, parallelogram, pendulum, slider_crank, supported_rod,
+    suspended_chain, unit_scene,
+};
 
 use crate::engine::{backends, built, near, near_relative, with_dt};
 
@@ -121,16 +124,103 @@ fn swinging_pendulum() {
     }
 }
 
+/// V13: crank, rod and slider, by the crank's angle and rate, against where they are at other ones.
+#[test]
+fn slider_and_crank() {
+    let (angle, rate) = (0.5, 10.0);
+    let at = |angle, rate| built(&slider_crank(angle, rate)).initial_state();
+    let scene = built(&slider_crank(angle, rate));
+    let motion = joint_motion(&scene, &at(angle, rate), 0).expect("one way to move");
+    check(&motion.coordinate, |h| at(angle + h, rate));
+    check(&motion.rate, |h| at(angle, rate + h));
+}
+
+/// Redundant rows: three cranks on one coupler, by each of them.
+#[test]
+fn three_cranks() {
+    let at = |angle| built(&parallelogram(3, angle)).initial_state();
+    let scene = built(&parallelogram(3, 1.2));
+    for pin in ["pin0", "pin1", "pin2"] {
+        let joint = scene.joint_index(pin).expect("a pin");
+        let motion = joint_motion(&scene, &at(1.2), joint).expect("one way to move");
+        check(&motion.coordinate, |h| at(1.2 + h));
+    }
+}
+
+/// The poses of scenes/four_bar.toml at an angle of the crank, where circles around the crank's end and the
+/// pivot meet.
+fn four_bar(angle: f64) -> Vec<Vector3<f64>> {
+    let pin = Vector2::new(angle.cos(), angle.sin()) * 0.3;
+    let pivot = Vector2::new(1.0, 0.0);
+    let (across, [coupler, rocker]) = (pivot - pin, [1.0, 0.6]);
+    let distance = across.norm();
+    let along = (distance * distance + coupler * coupler - rocker * rocker) / (2.0 * distance);
+    let u = across / distance;
+    let up = Vector2::new(-u.y, u.x) * (coupler * coupler - along * along).sqrt();
+    let end = pin + u * along + up;
+    let rod = |from: Vector2<f64>, to: Vector2<f64>| {
+        let (middle, d) = ((from + to) / 2.0, to - from);
+        Vector3::new(middle.x, middle.y, d.y.atan2(d.x))
+    };
+    vec![rod(Vector2::zeros(), pin), rod(pin, end), rod(pivot, end)]
+}
+
+#[test]
+fn four_bars() {
+    let text = include_str!("../../scenes/four_bar.toml");
+    let scene = built(&parse_scene(text, SceneFormat::Toml).expect("a scene"));
+    let state = scene.initial_state();
+    for (q, exact) in state.q.iter().zip(four_bar(FRAC_PI_2)) {
+        near("pose of a bar", (q - exact).amax(), 0.0, 1e-9);
+    }
+    let slopes = |k: usize| {
+        let entry = |h: f64| four_bar(FRAC_PI_2 + h).iter().flatten().copied().nth(k);
+        derivative(|h| entry(h).expect("a number"), 0.0, 1e-2).value
+    };
+    let by = |joint: &str| {
+        let joint = scene.joint_index(joint).expect("a joint");
+        joint_motion(&scene, &state, joint).expect("one way to move").coordinate
+    };
+    let (crank, rocker) = (by("motor"), by("pivot"));
+    for (k, found) in crank.q.iter().flatten().enumerate() {
+        near("a number of a bar", *found, slopes(k), 1e-9);
+    }
+    near("turn of the crank by the rocker's", rocker.q[0].z, 1.0 / slopes(8), 1e-9);
+}
+
+/// V12: d angle(3)/d angle(0), at rest 1.2 rad from hanging.
+#[test]
+fn swinging_cranks() {
+    let known = [(2, -0.909_438_091_648_851_21), (3, -1.238_721_895_752_345_6)];
+    for (n, exact) in known {
+        let stepping = Stepping::Accurate { max_events: 32 };
+        let scene = built(&SceneDef { stepping, ..with_dt(parallelogram(n, 1.2), 5e-3) });
+        for solver in backends() {
+            let tape = simulate(&scene, &*solver, 600).expect("a run");
+            let seed = |k: usize, state: &State| {
+                let mut seed = StateVector::like(state);
+                seed.q[0].z = 1.0;
+                (k == 600).then_some(seed)
+            };
+            let by = gradient(&scene, &tape, seed).expect("a gradient").by.initial;
+            let motion = joint_motion(&scene, &tape.initial, 0).expect("one way to move");
+            near_relative("V12", motion.coordinate.dot(&by), exact, 1e-6);
+        }
+    }
+}
+
 #[test]
 fn what_does_not_move_by_itself() {
     let refused = |def: &SceneDef, joint| {
         let scene: Scene = built(def);
         joint_motion(&scene, &scene.initial_state(), joint).expect_err("refused")
     };
-    let linkage = parallelogram(2, 1.2);
-    assert_eq!(refused(&linkage, 0), JointMotionError::Loop { joint: 0 });
-    let count = linkage.joints.len();
-    assert_eq!(refused(&linkage, 9), JointMotionError::NoSuchJoint { joint: 9, count });
+    // Ten rods between two walls: 30 numbers, 22 rows, one more for the joint.
+    let chain = suspended_chain(8.0);
+    assert_eq!(refused(&chain, 0), JointMotionError::NotUnique { joint: 0, ways: 7 });
+    assert_eq!(refused(&supported_rod(true), 0), JointMotionError::Blocked { joint: 0 });
+    let count = chain.joints.len();
+    assert_eq!(refused(&chain, 20), JointMotionError::NoSuchJoint { joint: 20, count });
     let mut welded = pendulum(1.0);
     welded.joints[0].kind = JointKind::Weld { anchor: [0.0; 2] };
     assert_eq!(refused(&welded, 0), JointMotionError::NothingFree { joint: 0 });

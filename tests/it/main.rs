@@ -11,6 +11,7 @@
 mod engine;
 
 mod accurate;
+mod afar;
 mod backends;
 mod conformance;
 mod conservation;

@@ -9,6 +9,7 @@ use tangency::diff::{Coordinates, Parameter, tangent};
 use tangency::{ControlDef, ControlInput, LcpSolver, Scene, SceneDef};
 use tangency_bench::scenes::{basket, disc, unit_scene};
 
+use crate::accurate::accurate;
 use crate::engine::{backends, built, near};
 
 const GOAL: [f64; 2] = [3.6, 0.9];
@@ -29,7 +30,11 @@ struct Throw {
 
 impl Throw {
     fn new() -> Self {
-        let scene = built(&basket());
+        Self::of(&basket())
+    }
+
+    fn of(def: &SceneDef) -> Self {
+        let scene = built(def);
         let names = ["velocity.x:ball", "velocity.y:ball"];
         let parameters = Parameter::parse_all(&scene, &names).expect("the scene's numbers");
         let order = Coordinates::of(&scene);
@@ -79,7 +84,15 @@ fn check_throw(found: &[Iterate], tolerance: f64) {
 /// Over a wall and off a board into the basket, to the closed form: by each method from the same start.
 #[test]
 fn throws_off_the_board() {
-    let throw = Throw::new();
+    check_methods(&Throw::new());
+}
+
+#[test]
+fn throws_off_the_board_in_accurate_steps() {
+    check_methods(&Throw::of(&accurate(basket(), 0.01)));
+}
+
+fn check_methods(throw: &Throw) {
     for solver in backends() {
         let mut shooting = throw.shooting(&*solver);
         let start = shooting.start();
@@ -108,7 +121,16 @@ fn driven() -> SceneDef {
 /// L-BFGS neither derivatives nor search; within limits, too.
 #[test]
 fn best_controls_are_those_of_the_planner() {
-    let scene = built(&driven());
+    check_controls(&driven());
+}
+
+#[test]
+fn best_controls_of_accurate_steps() {
+    check_controls(&accurate(driven(), driven().dt));
+}
+
+fn check_controls(def: &SceneDef) {
+    let scene = built(def);
     for solver in backends() {
         let (place, n) = (0, 6);
         let mut cost = Quadratic::of_effort(n, 1, 0.01);

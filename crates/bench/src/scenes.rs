@@ -51,5 +51,5 @@ pub use race::{race_bounce, race_cartpole, race_chain, race_scenes, race_stack};
 pub use rocker::{curb, rocking_box, spool};
 pub use suspension::{suspended_chain, turned_chain};
 pub use tasks::{driven_pendulum, hanging_cartpole, pushed_box};
-pub use throw::basket;
+pub use throw::{basket, hidden_plate};
 pub use tight::{misfit_hinges, narrow_slot, seesaw, wedged_box};

@@ -8,9 +8,12 @@
 //!  atom    = number | "pi" | name | "{" name "}" | function "(" sum ")" | "(" sum ")"
 //! ```
 //!
-//! A name is made of letters, digits, `_` and `.`; braces admit any other (`{left link.x}`).
+//! A name is made of letters, digits, `_` and `.`; braces admit any other (`{left link.x}`). What begins with
+//! `impulse(` goes on behind the parenthesis (`impulse(ball, floor).n`).
 
 use std::f64::consts::PI;
+
+use crate::impulse::IMPULSE;
 
 /// Formulas of more bytes, or nested deeper, are refused: they are read and evaluated recursively.
 const LONGEST: usize = 4000;
@@ -191,7 +194,12 @@ impl<V: PartialEq, R: Fn(&str) -> Result<V, String>> Parser<'_, V, R> {
     }
 
     fn name(&mut self) -> Result<Node, FormulaError> {
-        let name = prefix(&self.text[self.at..], |c| c.is_alphanumeric() || c == '_' || c == '.');
+        let rest = &self.text[self.at..];
+        let mut name = prefix(rest, belongs);
+        if name == IMPULSE && rest[name.len()..].trim_start().starts_with('(') {
+            let end = rest.find(')').ok_or_else(|| self.error("`)` is missing".into()))? + 1;
+            name = &rest[..end + prefix(&rest[end..], belongs).len()];
+        }
         if name == "pi" {
             self.at += name.len();
             return Ok(Node::Number(PI));
@@ -232,6 +240,11 @@ impl<V: PartialEq, R: Fn(&str) -> Result<V, String>> Parser<'_, V, R> {
     fn error(&self, message: String) -> FormulaError {
         FormulaError { column: self.text[..self.at].chars().count() + 1, message }
     }
+}
+
+/// Whether a character may be part of a name.
+fn belongs(c: char) -> bool {
+    c.is_alphanumeric() || c == '_' || c == '.'
 }
 
 /// The longest start of a text whose characters all belong.
@@ -315,7 +328,7 @@ mod tests {
 
     fn parse(text: &str) -> Result<Formula<String>, FormulaError> {
         Formula::parse(text, |name| match name {
-            "a.x" | "b.x" | "left link.y" => Ok(name.to_owned()),
+            "a.x" | "b.x" | "left link.y" | "impulse(a, b c).n" => Ok(name.to_owned()),
             _ => Err(format!("unknown `{name}`")),
         })
     }
@@ -348,6 +361,7 @@ mod tests {
         check("sin(a.x)*cos(b.x)", [0.0, 0.0], 0.0, [1.0, 0.0]);
         check("exp(2*a.x) + ln(b.x)", [0.0, 4.0], 1.0 + 4.0_f64.ln(), [2.0, 0.25]);
         check("sqrt({left link.y}) + abs(a.x) + tan(pi)", [-3.0, 4.0], 5.0, [-1.0, 0.25]);
+        check("2*impulse(a, b c).n - a.x", [1.0, 3.0], 5.0, [-1.0, 2.0]);
         check("a.x^0", [0.0, 0.0], 1.0, [0.0, 0.0]);
     }
 
@@ -360,6 +374,8 @@ mod tests {
             "column 6: the formula ends where a number or a name was expected"
         );
         assert_eq!(error("2 a.x"), "column 3: unexpected `a`; an operator was expected");
+        assert_eq!(error("1 + impulse(a"), "column 5: `)` is missing");
+        assert_eq!(error("impulse"), "column 1: unknown `impulse`");
         assert_eq!(error("(a.x"), "column 5: `)` is missing");
         assert_eq!(error("sin a.x"), "column 5: `(` is missing after `sin`");
         assert_eq!(error("1.2.3"), "column 1: `1.2.3` is not a number");

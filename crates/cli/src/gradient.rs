@@ -24,7 +24,11 @@ pub struct Arguments {
     /// Formula over the final state, such as `ball.x^2 + 0.1*ball.vy`, or a trajectory file
     ///
     /// A formula knows BODY.x, .y, .angle, .vx, .vy, .omega, the operators + - * / ^, pi, sin, cos,
-    /// tan, exp, ln, sqrt and abs. A trajectory (CSV as `simulate` writes it) stands for the mean
+    /// tan, exp, ln, sqrt and abs; and impulses of the last step: impulse(BODY, BODY).n and .t, the
+    /// sums over the contacts of two bodies (along the normal, and along it turned by a quarter
+    /// counter-clockwise, on the body that the normal points to), 0 where they are out of reach;
+    /// impulse(JOINT).x, .y, .angle, .across, .length, .motor, .lower and .upper, those of them that
+    /// the joint has, on its second body. A trajectory (CSV as `simulate` writes it) stands for the mean
     /// squared error of all its poses, compared at equal times.
     #[arg(long, allow_hyphen_values = true)]
     pub loss: String,
@@ -72,6 +76,8 @@ struct Report {
     parameters: Vec<ParameterReport>,
     /// Steps and rows at which the derivative is one-sided.
     one_sided: Vec<String>,
+    /// Whether the loss depends on how dependent rows share their impulses, which is a convention.
+    undetermined_impulses: bool,
     /// How much the gradient grows on its way back.
     growth: Growth,
     residual: f64,
@@ -174,6 +180,10 @@ impl Difference {
     }
 }
 
+/// What is said of impulses that are not unique.
+const SHARED: &str = "\n\nThe loss depends on how rows that depend on each other share their impulses: those \
+                      of least norm, and of least change";
+
 /// Largest step of the differences, relative to the parameter's value.
 const DIFFERENCE_STEP: f64 = 1e-4;
 /// Values below this count as zero, and their steps are absolute.
@@ -212,6 +222,7 @@ impl Report {
             duration: states[states.len() - 1].time,
             parameters: objective.parameters.iter().enumerate().map(parameter).collect(),
             one_sided,
+            undetermined_impulses: !found.report.undetermined_impulses.is_empty(),
             growth: Growth::of(&found.report),
             residual: found.residual,
             forward_seconds: found.forward.as_secs_f64(),
@@ -239,10 +250,11 @@ impl Report {
                 self.one_sided.len()
             ),
         };
+        let shared = if self.undetermined_impulses { SHARED } else { "" };
         let growth = self.growth.warning().map_or_else(String::new, |it| format!("\n\n{it}"));
         format!(
             "loss {} after {} steps ({:.6} s); rollout {:.1} ms, reverse pass {:.1} ms\n\n\
-             {grid}{one_sided}{growth}",
+             {grid}{one_sided}{shared}{growth}",
             self.loss,
             self.steps,
             self.duration,

@@ -46,6 +46,9 @@ fn overview(scene: &Scene) -> Table {
     table.row("description", &def.description);
     table.row("time step", format!("{} s, for {} s", def.dt, def.duration));
     table.row("contact model", format!("{:?}", def.contact_model));
+    if def.contact_reach > 0.0 {
+        table.row("contact reach", format!("{} m", def.contact_reach));
+    }
     table.row("bodies", def.bodies.len());
     table.row("joints", def.joints.len());
     table.row("forces", def.forces.len());

@@ -28,6 +28,7 @@ mod failure;
 mod formula;
 mod grid;
 pub mod growth;
+pub mod impulse;
 pub mod loss;
 pub mod objective;
 pub mod observations;

@@ -83,7 +83,7 @@ impl Objective<'_> {
     /// As [`Objective::rollout`].
     pub fn value(&self, loss: &Loss, values: &[f64]) -> Result<f64, Failure> {
         let (_, rollout) = self.rollout(values)?;
-        Ok(loss.value(&rollout.states().collect::<Vec<_>>()))
+        Ok(loss.value(&rollout.states().collect::<Vec<_>>(), rollout.records.last()))
     }
 
     /// The loss and its gradient in reverse mode.
@@ -97,13 +97,14 @@ impl Objective<'_> {
         let mut tape = record(&scene, self.solver, self.steps)?;
         let forward = start.elapsed();
         let start = Instant::now();
-        let seeds = loss.seeds(&tape.states());
+        let last = tape.last_record(&scene, self.solver)?;
+        let seeds = loss.seeds(&tape.states(), last.as_ref());
         let found = tape.gradient(&scene, self.solver, self.mode, &seeds)?;
         let states = tape.states();
         let by = |parameter: &Parameter| parameter.gradient(&scene, &found.by);
         let gradient = self.parameters.iter().map(by).collect();
         let reverse = start.elapsed();
-        let (loss, residual) = (loss.value(&states), tape.residual());
+        let (loss, residual) = (loss.value(&states, last.as_ref()), tape.residual());
         Ok(Evaluation { loss, gradient, report: found.report, residual, forward, reverse })
     }
 

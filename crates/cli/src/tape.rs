@@ -1,11 +1,13 @@
 //! A motion that can be differentiated: with all of its records, or with few of them.
 
-use tangency::diff::DiffError;
+use tangency::diff::{DiffError, checkpointed_gradient_with_impulses};
 use tangency::lcp::LcpSolver;
 use tangency::{
-    Checkpoints, Gradient, GradientMode, Rollout, Scene, State, StateVector, StepError,
-    checkpointed_gradient, checkpointed_rollout, gradient_adding, simulate,
+    Checkpoints, Gradient, GradientMode, Rollout, Scene, State, StateVector, StepError, StepRecord,
+    StepScratch, checkpointed_rollout, gradient_with_impulses, simulate,
 };
+
+use crate::loss::Seeds;
 
 /// A motion under controls that are zero.
 pub enum Tape {
@@ -56,7 +58,26 @@ impl Tape {
         }
     }
 
-    /// The gradient of a loss with these derivatives by the states.
+    /// The record of the last step, if there are any.
+    ///
+    /// # Errors
+    /// A step that failed when it was made again.
+    pub fn last_record(
+        &self,
+        scene: &Scene,
+        solver: &dyn LcpSolver,
+    ) -> Result<Option<StepRecord>, StepError> {
+        match self {
+            Self::Full(rollout) => Ok(rollout.records.last().cloned()),
+            Self::Sparse(run, _) => {
+                let Some(segment) = run.segments().checked_sub(1) else { return Ok(None) };
+                let mut tape = run.replay(scene, solver, segment, &mut StepScratch::default())?;
+                Ok(tape.records.pop())
+            }
+        }
+    }
+
+    /// The gradient of a loss with these derivatives.
     ///
     /// # Errors
     /// An adjoint that could not be taken.
@@ -65,17 +86,22 @@ impl Tape {
         scene: &Scene,
         solver: &dyn LcpSolver,
         mode: GradientMode,
-        seeds: &[Option<StateVector>],
+        seeds: &Seeds,
     ) -> Result<Gradient, DiffError> {
+        let Seeds { states, impulses } = seeds;
+        let last = |k: usize| k + 2 == states.len();
+        let pushes = |k, _: &StepRecord| if last(k) { impulses.clone() } else { Vec::new() };
         let add = |k: usize, _: &State, bar: &mut StateVector| {
-            seeds[k].iter().for_each(|seed| bar.add(seed));
+            states[k].iter().for_each(|seed| bar.add(seed));
         };
         match self {
             Self::Full(rollout) => {
                 mode.prepare(rollout)?;
-                gradient_adding(scene, rollout, add)
+                gradient_with_impulses(scene, rollout, |k, _| states[k].clone(), pushes)
             }
-            Self::Sparse(run, _) => checkpointed_gradient(scene, solver, run, mode, add),
+            Self::Sparse(run, _) => {
+                checkpointed_gradient_with_impulses(scene, solver, run, mode, add, pushes)
+            }
         }
     }
 }

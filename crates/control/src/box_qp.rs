@@ -91,12 +91,16 @@ impl BoxQp<'_> {
     }
 
     /// The step along `newton` that pays, clamped; `None` if none does: d is the minimum to rounding.
+    ///
+    /// What a step must bring is measured by how far it goes once clamped, −∇ᵀ(d⁺ − d): a step that a
+    /// near limit cuts short cannot bring what all of it promised.
     fn search(&self, d: &DVector<f64>, newton: &DVector<f64>) -> Option<DVector<f64>> {
-        let (value, rate) = (self.value(d), newton.dot(&self.slope(d)));
+        let (value, slope) = (self.value(d), self.slope(d));
         let mut length = 1.0;
-        while rate < 0.0 && length > SHORTEST {
+        while newton.dot(&slope) < 0.0 && length > SHORTEST {
             let next = self.limits.clamp(&(d + newton * length));
-            if value - self.value(&next) >= -ARMIJO * length * rate {
+            let promised = slope.dot(&(d - &next));
+            if promised > 0.0 && value - self.value(&next) >= ARMIJO * promised {
                 return Some(next);
             }
             length *= SHORTEN;

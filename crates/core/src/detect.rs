@@ -80,16 +80,17 @@ impl Detection {
         found: &mut Vec<Contact>,
     ) -> Result<(), CollisionError> {
         let ContactModel::Velocity { contact_distance } = scene.def.contact_model else {
-            let greatest = self.groups.greatest();
+            let far = scene.contact_reach();
+            let greatest = self.groups.greatest().max(far);
             let slow = |i| scene.fixed[i] || greatest <= VICINITY * scene.size(i);
-            if (0..scene.bodies.len()).all(slow) {
+            if far > 0.0 || (0..scene.bodies.len()).all(slow) {
                 self.all_within(scene, frames, greatest, found)?;
             } else {
                 self.all_near(scene, frames, greatest, found)?;
                 self.groups.restart(scene);
             }
             self.groups.grow(&scene.fixed, &links(found), None);
-            found.retain(|c| c.gap <= self.groups.of_pair(c.feature.id.bodies));
+            found.retain(|c| c.gap <= self.groups.of_pair(c.feature.id.bodies).max(far));
             return Ok(());
         };
         self.all_within(scene, frames, contact_distance, found)?;

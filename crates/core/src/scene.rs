@@ -152,6 +152,12 @@ impl Scene {
         self.def.contact_model
     }
 
+    /// Contacts with gaps up to this are modelled, whether a step can close them or not, m.
+    #[must_use]
+    pub fn contact_reach(&self) -> f64 {
+        self.def.contact_reach
+    }
+
     /// How position errors are removed.
     #[must_use]
     pub fn stabilisation(&self) -> Stabilisation {
@@ -269,6 +275,21 @@ fn compile_pairs(def: &SceneDef, names: &Names) -> Result<Vec<Pair>, SceneError>
     Ok(pairs)
 }
 
+fn check_reach(def: &SceneDef) -> Result<(), SceneError> {
+    let (path, value) = (String::from("contact_reach"), def.contact_reach);
+    if !(value >= 0.0 && value.is_finite()) {
+        let expected = "give a finite number of metres, 0 for none";
+        return Err(SceneError::Value { path, value, expected });
+    }
+    if value > 0.0 && (def.contact_model != ContactModel::Gap || def.stepping != Stepping::Fixed) {
+        return conflict(
+            path,
+            "contacts from afar need the contact model `gap` and stepping `fixed`",
+        );
+    }
+    Ok(())
+}
+
 fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
     if def.version != 1 {
         let (path, value) = ("version".into(), f64::from(def.version));
@@ -293,6 +314,7 @@ fn check_settings(def: &SceneDef) -> Result<(), SceneError> {
         }
         positive(contact_distance, "contact_model.velocity.contact_distance")?;
     }
+    check_reach(def)?;
     let corrections =
         [("joints", def.stabilisation.joints), ("contacts", def.stabilisation.contacts)];
     for (name, correction) in corrections {

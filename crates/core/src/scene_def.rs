@@ -24,6 +24,10 @@ pub struct SceneDef {
     pub stepping: Stepping,
     /// What a contact constrains.
     pub contact_model: ContactModel,
+    /// Contacts with gaps up to this are modelled, whether a step can close them or not, m. They change no
+    /// motion, and cost time; smoothed derivatives feel them. 0: only those that a step can close. Needs
+    /// [`ContactModel::Gap`] and [`Stepping::Fixed`].
+    pub contact_reach: f64,
     /// How position errors are removed.
     pub stabilisation: Stabilisation,
     /// Greatest speed at which [`Correction::Post`], and `Baumgarte` of contacts and limits, remove
@@ -56,6 +60,7 @@ impl Default for SceneDef {
             duration: 1.0,
             stepping: Stepping::Fixed,
             contact_model: ContactModel::Gap,
+            contact_reach: 0.0,
             stabilisation: Stabilisation::default(),
             recovery_speed: 1.0,
             recovery_rate: 1.0,

@@ -10,13 +10,15 @@
 //!                                           dvᵢ = u             dωᵢ = 0       by its rate
 //! ```
 //!
-//! If the far side holds the ground, it is the near side that moves, the other way round.
+//! If the far side holds the ground, it is the near side that moves, the other way round. If both sides do,
+//! the joint is part of a loop, and what moves with it follows from the rows of all joints ([`loop_motion`]).
 
 use nalgebra::{Vector2, Vector3};
 use tangency_collision::pose::{Frame, perp};
 use tangency_core::measure::Measure;
 use tangency_core::{Joint, Scene, State};
 
+use crate::loop_motion::loop_motion;
 use crate::vector::StateVector;
 
 /// The directions in which a state changes with a joint.
@@ -46,19 +48,28 @@ pub enum JointMotionError {
         /// The joint.
         joint: usize,
     },
-    /// Both sides are connected otherwise.
+    /// Its bodies are part of a loop, which can move while the joint does not.
     #[error(
-        "the bodies of joint {joint} are connected by other joints or to the ground on both sides, so \
-         that it does not move by itself; give the positions of all bodies of the loop a direction"
+        "joint {joint} is part of a loop that has {ways} more ways to move, so that it does not tell how the \
+         others move; give the positions of all bodies of the loop a direction"
     )]
-    Loop {
+    NotUnique {
+        /// The joint.
+        joint: usize,
+        /// In how many independent ways.
+        ways: usize,
+    },
+    /// Its bodies are part of a loop that does not let it move, or not from this state.
+    #[error("joint {joint} is part of a loop that holds it; take a joint that can move")]
+    Blocked {
         /// The joint.
         joint: usize,
     },
 }
 
-/// The directions in which a state of a scene whose joints form trees changes with one of them; springs and
-/// soft joints connect nothing.
+/// The directions in which a state changes with one of its scene's joints: all that lies beyond it moves, or,
+/// if the joint is part of a loop with one way to move, the whole loop. Springs and soft joints connect nothing.
+/// A loop's rates are taken to be those that its joints allow.
 ///
 /// With a [`gradient`](crate::gradient()), `motion.coordinate.dot(&gradient.by.initial)` is the derivative
 /// by the joint's initial angle; as `initial` of a [`RolloutVector`](crate::RolloutVector) it is a direction
@@ -78,7 +89,9 @@ pub fn joint_motion(
     let it = scene.joints().get(joint).ok_or(JointMotionError::NoSuchJoint { joint, count })?;
     let free = it.free.ok_or(JointMotionError::NothingFree { joint })?;
     let beyond = |side: usize| reach(scene, joint, side).map(|bodies| (side, bodies));
-    let (side, bodies) = beyond(1).or_else(|| beyond(0)).ok_or(JointMotionError::Loop { joint })?;
+    let Some((side, bodies)) = beyond(1).or_else(|| beyond(0)) else {
+        return loop_motion(scene, state, joint, free);
+    };
     let sign = if side == 1 { 1.0 } else { -1.0 };
     let [a, _] = it.bodies.map(|body| body.map_or_else(Vector3::zeros, |body| state.v[body]));
     let mut coordinate = StateVector::like(state);
@@ -110,10 +123,15 @@ fn near(scene: &Scene, state: &State, it: &Joint, joint: usize, side: usize) -> 
     [center, carried]
 }
 
+/// Whether a joint connects its bodies.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "filters take references")]
+pub(crate) fn holds(it: &&Joint) -> bool {
+    it.softness.is_none() && !it.held.is_empty()
+}
+
 /// The bodies that hang together on a side of a joint; `None` if they hold the ground or the other side.
 fn reach(scene: &Scene, joint: usize, side: usize) -> Option<Vec<usize>> {
     let [first, other] = [side, 1 - side].map(|side| scene.joints()[joint].bodies[side]);
-    let holds = |it: &&Joint| it.softness.is_none() && !it.held.is_empty();
     let mut found = vec![first?];
     let mut next = 0;
     while next < found.len() {

@@ -42,6 +42,7 @@ mod joint_force;
 mod step_jacobian;
 // and what may be differentiated by: parameters by name, joints with what hangs on them.
 mod joint_motion;
+mod loop_motion;
 mod parameter;
 
 pub use checkpoints::{checkpointed_gradient, checkpointed_gradient_with_impulses};

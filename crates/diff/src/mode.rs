@@ -32,8 +32,9 @@ pub enum GradientMode {
     #[default]
     Exact,
     /// Every problem with inequalities is differentiated at the point of its central path where all
-    /// complementary products are `kappa` s*², s*² being the energy scale of the problem. Open contacts
-    /// within reach of the step push a little, sticking ones give a little.
+    /// complementary products are `kappa` s*², s*² being the energy scale of what moves and is driven. Open contacts
+    /// within reach of the step (or of the scene's `contact_reach`) push a little, sticking ones give a
+    /// little.
     ///
     /// Flows of accurate steps have no such problems: what slides in them, and which way, is told by
     /// velocities. Their derivatives are the exact ones; those of their impacts are smoothed.

@@ -18,7 +18,7 @@
 use nalgebra::Vector3;
 
 use crate::barrier::{Barrier, Softness};
-use crate::{ActiveSystem, Fold, Law, Lcp, LcpError, LcpSolution, Metric, Scratch};
+use crate::{ActiveSystem, Fold, Law, Lcp, LcpError, LcpSolution, Metric, Row, Scratch};
 
 /// Most steps of Newton's method at one energy.
 const MOST_STEPS: u32 = 40;
@@ -81,11 +81,16 @@ impl CentralPoint {
         Err(LcpError::NotConverged { iterations: steps, residual })
     }
 
-    /// The energy ε = κ s*² of a problem, J.
+    /// The energy ε = κ s² of a problem, J; s is its scale s* without the rows that are open and could only
+    /// stop what moves: `b < 0` of a unilateral one.
     #[must_use]
     pub fn energy(problem: &Lcp, kappa: f64) -> f64 {
-        let metric = Metric::new(problem);
-        kappa * metric.scale * metric.scale * metric.unit()
+        let moving = problem.mass.iter().zip(&problem.momentum);
+        let moving = moving.flat_map(|(mass, p)| p.component_mul(p).component_div(mass).data.0[0]);
+        let drives = |row: &&Row| row.law != Law::Unilateral || row.rhs > 0.0;
+        let driven = problem.rows.iter().enumerate().filter(|(_, row)| drives(row));
+        let driven = driven.map(|(i, row)| row.rhs * row.rhs / problem.row_weight(i));
+        kappa * moving.chain(driven).fold(0.0, f64::max)
     }
 
     /// The problem with softer rows, whose system is [`system`](Self::system).

@@ -1,6 +1,6 @@
 //! Controls of a run: none, known beforehand, or decided step by step in Python.
 
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use tangency::{Scene, State};
 
@@ -59,7 +59,12 @@ impl Policy {
 
     fn ask(&self, py: Python<'_>, step: usize, state: &State) -> PyResult<Vec<f64>> {
         let state = state::to_python(py, state)?;
-        let numbers: Numbers = self.call.bind(py).call1((step, state))?.extract()?;
+        let answer = self.call.bind(py).call1((step, state))?;
+        if answer.is_none() {
+            let message = format!("the policy returned None at step {step}; return its control");
+            return Err(PyTypeError::new_err(message));
+        }
+        let numbers: Numbers = answer.extract()?;
         if numbers.values.len() != self.channels {
             let message = format!(
                 "the policy gave {} numbers at step {step}; give one per control channel, {}",

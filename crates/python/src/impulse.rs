@@ -3,7 +3,7 @@
 use pyo3::prelude::*;
 use tangency::{RowImpulse, RowSource, Scene, StepRecord};
 
-/// The impulse of one row of one step.
+/// The impulse of one row of one step; `Rollout.impulses` and `Simulator.impulses` list them.
 #[pyclass(frozen, module = "tangency")]
 #[derive(Clone)]
 pub(crate) struct Impulse {
@@ -11,23 +11,23 @@ pub(crate) struct Impulse {
     /// Index of the step.
     #[pyo3(get)]
     pub(crate) step: usize,
-    /// What pushes, as `contact ball/floor` or `joint hinge`.
+    /// What pushes, as ``contact ball/floor`` or ``joint hinge``.
     #[pyo3(get)]
     source: String,
-    /// `normal`, `tangent`, `held 0`, `lower`, `upper` or `motor`.
+    /// Which of its rows: ``normal``, ``tangent``, ``held 0``, ``lower``, ``upper`` or ``motor``.
     #[pyo3(get)]
     kind: String,
 }
 
 #[pymethods]
 impl Impulse {
-    /// N·s or N·m·s.
+    /// The impulse, N·s or N·m·s.
     #[getter]
     fn value(&self) -> f64 {
         self.row.value
     }
 
-    /// Which part of a divided step; none for what was left of it.
+    /// Which part of a divided step; None for what was left of it, and where nothing divides it.
     #[getter]
     fn part(&self) -> Option<usize> {
         self.row.part
@@ -35,7 +35,7 @@ impl Impulse {
 
     fn __repr__(&self) -> String {
         let Self { step, source, kind, row } = self;
-        format!("<Impulse step {step}, {source}, {kind}: {}>", row.value)
+        format!("<tangency.Impulse step {step}, {source}, {kind}: {}>", row.value)
     }
 }
 

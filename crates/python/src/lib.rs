@@ -1,6 +1,8 @@
 //! The native half of the Python package `tangency`: every function converts, calls the engine, and
-//! converts back. What users see is described in `python/tangency`.
+//! converts back. The documentation of its classes and functions is what Python's `help` shows; their types
+//! stand in `python/tangency/_native.pyi`.
 
+#![expect(clippy::doc_markdown, reason = "documentation of classes and functions is Python's")]
 #![expect(clippy::needless_pass_by_value, reason = "what comes from Python was made for the call")]
 
 mod arrays;
@@ -10,6 +12,7 @@ mod errors;
 mod gradient;
 mod impulse;
 mod lcp;
+mod picture;
 mod plan;
 mod plan_callbacks;
 mod report;
@@ -25,6 +28,7 @@ mod threads;
 
 use pyo3::prelude::*;
 
+/// The native half of `tangency`.
 #[pymodule]
 mod _native {
     #[pymodule_export]
@@ -53,4 +57,11 @@ mod _native {
     use crate::solver::backends;
     #[pymodule_export]
     use crate::step_jacobian::StepJacobian;
+
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::errors::complete(module.py())
+    }
 }

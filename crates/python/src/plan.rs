@@ -9,14 +9,14 @@ use tangency::control::{
     ControlLimits, Cost, Ending, PlanError as Error, Planner, Quadratic, SceneDynamics,
 };
 
-use crate::arrays::Numbers;
+use crate::arrays::{Numbers, tuple};
 use crate::errors::{self, PlanError};
 use crate::plan_callbacks::{Failure, PythonCost, PythonDynamics};
 use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::state;
 
-/// Controls, the motion that they make, and how to keep to it.
+/// Controls, the motion that they make, and how to keep to it; `plan` makes them.
 #[pyclass(frozen, module = "tangency")]
 pub(crate) struct Plan {
     plan: tangency::control::Plan,
@@ -24,12 +24,14 @@ pub(crate) struct Plan {
 
 #[pymethods]
 impl Plan {
+    /// u, shape (steps, channels).
     #[getter]
     fn controls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let shape = [self.plan.controls.len(), self.plan.limits.lower().len()];
         self.plan.controls.concat().into_pyarray(py).reshape(shape)
     }
 
+    /// x, shape (steps + 1, states).
     #[getter]
     fn states<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let shape = [self.plan.states.len(), self.plan.states.first().map_or(0, DVector::len)];
@@ -37,6 +39,8 @@ impl Plan {
         values.into_pyarray(py).reshape(shape)
     }
 
+    /// K, shape (steps, channels, states); zero where a control is at its limit, and empty if no iteration was
+    /// done.
     #[getter]
     fn gains<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let gains = &self.plan.gains;
@@ -45,22 +49,26 @@ impl Plan {
         rows.collect::<Vec<f64>>().into_pyarray(py).reshape([gains.len(), m, n])
     }
 
+    /// Cost of the motion.
     #[getter]
     fn cost(&self) -> f64 {
         self.plan.cost
     }
 
+    /// Cost of the first guess and after every iteration that improved it, shape (improvements + 1,).
     #[getter]
     fn history<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.plan.history.clone().into_pyarray(py)
     }
 
+    /// Number of iterations.
     #[getter]
     fn iterations(&self) -> usize {
         self.plan.iterations
     }
 
-    /// `optimal`, `settled`, or none inside an error.
+    /// Why the search ended: "optimal" (no change of the controls promises anything more), "settled" (the last
+    /// step brought next to nothing, as happens at a switch), or None inside an error.
     #[getter]
     fn ending(&self) -> Option<&'static str> {
         self.plan.ending.map(|ending| match ending {
@@ -69,7 +77,25 @@ impl Plan {
         })
     }
 
-    /// The control of step k in a state that is not quite that of the plan.
+    /// The control of a step in a state that is not quite that of the plan: u + K (x − x̄), within the limits.
+    ///
+    /// Parameters
+    /// ----------
+    /// k : int
+    ///     Which step.
+    /// x : array_like, shape (states,)
+    ///     The state.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (channels,)
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such step.
+    /// ValueError
+    ///     If `x` has another shape.
     fn feedback<'py>(
         &self,
         py: Python<'py>,
@@ -92,7 +118,49 @@ impl Plan {
     }
 }
 
-/// See `tangency/_native.pyi`.
+/// Plans controls that make a cost small: iterative LQR with limits on the controls.
+///
+/// After Tassa, Mansard and Todorov, *Control-Limited Differential Dynamic Programming*, ICRA 2014.
+///
+/// Parameters
+/// ----------
+/// dynamics : Scene or object
+///     What moves: a scene, with x as in `Scene.coordinates`; or an object with the attributes ``states``
+///     and ``controls`` (n and m) and the methods ``step(x, u)``, which returns x⁺, and
+///     ``linearise(x, u)``, which returns A = ∂x⁺/∂x and B = ∂x⁺/∂u.
+/// cost : Quadratic or object
+///     What it costs: a `Quadratic`, or an object with the methods ``running(k, x, u)`` and ``last(x)``,
+///     which return numbers, ``running_expansion(k, x, u)``, which returns (∂l/∂x, ∂l/∂u, ∂²l/∂x²,
+///     ∂²l/∂u∂x of shape (m, n), ∂²l/∂u²), and ``last_expansion(x)``, which returns (∂l/∂x, ∂²l/∂x²).
+/// controls : array_like, shape (steps, channels)
+///     The first guess; it also says how many steps there are.
+/// state : State or (q, v), or array_like of shape (n,) for dynamics of one's own, optional
+///     Where the motion begins; a scene's initial state unless given.
+/// lower, upper : float or array_like, shape (channels,), optional
+///     Limits of the controls.
+/// backend : str
+///     Solver of the complementarity problems of a scene, one of `backends`.
+/// kappa : float, optional
+///     Smooths the derivatives of a scene, as `Rollout.smoothed` does.
+/// max_iterations : int
+///     Most iterations.
+/// tolerance : float
+///     A promised or achieved decrease of less than this part of the cost ends the search.
+///
+/// Returns
+/// -------
+/// Plan
+///
+/// Raises
+/// ------
+/// PlanError
+///     If the first guess cannot be followed, or the search ends early: ``plan`` is then the best one so far.
+/// ValueError
+///     If something does not fit: a shape, a limit, a number that is not finite.
+///
+/// Notes
+/// -----
+/// What a method of `dynamics` or `cost` raises comes out of `plan` as it was raised.
 #[pyfunction]
 #[pyo3(signature = (
     dynamics, cost, controls, *, state = None, lower = None, upper = None, backend = "ipm", kappa = None,
@@ -113,17 +181,20 @@ pub(crate) fn plan<'py>(
     tolerance: f64,
 ) -> PyResult<Plan> {
     let [_, m] = controls.shape[..] else {
-        return Err(PyValueError::new_err("controls must have shape (steps, channels)"));
+        let message =
+            format!("controls has shape {}; give (steps, channels)", tuple(&controls.shape));
+        return Err(PyValueError::new_err(message));
     };
     let guess: Vec<Vec<f64>> = controls.values.chunks(m.max(1)).map(<[f64]>::to_vec).collect();
-    let limit = |given: Option<Numbers>, none: f64| -> PyResult<Vec<f64>> {
+    let limit = |what: &str, given: Option<Numbers>, none: f64| -> PyResult<Vec<f64>> {
         match given {
             None => Ok(vec![none; m]),
             Some(one) if one.shape.is_empty() => Ok(vec![one.values[0]; m]),
-            Some(many) => many.expect("a limit", "(channels,)", &[m]).map(|()| many.values),
+            Some(many) => many.expect(what, "(channels,)", &[m]).map(|()| many.values),
         }
     };
-    let (lower, upper) = (limit(lower, f64::NEG_INFINITY)?, limit(upper, f64::INFINITY)?);
+    let lower = limit("lower", lower, f64::NEG_INFINITY)?;
+    let upper = limit("upper", upper, f64::INFINITY)?;
     let limits = ControlLimits::new(lower, upper).map_err(errors::value)?;
     let planner = Planner { max_iterations, tolerance, ..Planner::default() };
     let failure = Failure::default();
@@ -177,9 +248,5 @@ fn refused(py: Python<'_>, error: Error) -> PyErr {
             _ => PyValueError::new_err(text),
         };
     };
-    let exception = PlanError::new_err(text);
-    match exception.value(py).setattr("plan", Plan { plan: *plan }) {
-        Ok(()) => exception,
-        Err(other) => other,
-    }
+    errors::with(py, PlanError::new_err(text), "plan", Plan { plan: *plan })
 }

@@ -10,17 +10,26 @@ use crate::impulse::names;
 /// (step, what pushes, row, between which pieces).
 type OneSided = (usize, String, String, &'static str);
 
-/// What was not smooth along a gradient, and how it grew.
+/// What the user of a gradient should know about it.
 #[pyclass(frozen, module = "tangency")]
 pub(crate) struct GradientReport {
+    /// Rows between two pieces of their law, as (step, what pushes, row, between which pieces).
+    ///
+    /// The pieces are "touching" (open and closed), "slipping" (sticking and sliding), "saturating" (below and
+    /// at a motor's maximum), "bouncing" (reaching the other body in the step, or just not), "together" (several
+    /// gaps that close at once) and "grazing" (closing so slowly that the time of the impact is ill-conditioned).
     #[pyo3(get)]
     one_sided: Vec<OneSided>,
+    /// Steps with dependent active rows: velocities and their derivatives are unique, impulses are not.
     #[pyo3(get)]
     dependent_rows: Vec<usize>,
+    /// Islands in which restitution or position corrections gave way, as (step, how much).
     #[pyo3(get)]
     gave_way: Vec<(usize, &'static str)>,
+    /// Steps with more impacts than the scene divides a step for: their rest was one of fixed length.
     #[pyo3(get)]
     fell_back: Vec<usize>,
+    /// Steps at which the loss sees impulses that dependent rows share by convention only.
     #[pyo3(get)]
     undetermined_impulses: Vec<usize>,
     growth: Vec<f64>,
@@ -50,11 +59,13 @@ impl GradientReport {
 
 #[pymethods]
 impl GradientReport {
+    /// How much the adjoint has grown back to each state, without unit, shape (steps + 1,); nothing is clipped.
     #[getter]
     fn growth<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.growth.clone().into_pyarray(py)
     }
 
+    /// The state with the greatest growth, and that growth; None for an empty gradient.
     #[getter]
     fn greatest_growth(&self) -> Option<(usize, f64)> {
         self.greatest_growth
@@ -71,7 +82,7 @@ impl GradientReport {
     fn __repr__(&self) -> String {
         let growth = self.greatest_growth.map_or(1.0, |(_, growth)| growth);
         format!(
-            "<GradientReport: {} one-sided rows, {} steps with dependent rows, {} islands gave way, \
+            "<tangency.GradientReport: {} one-sided rows, {} steps with dependent rows, {} islands gave way, \
              {} steps fell back, greatest growth {growth:.3e}>",
             self.one_sided.len(),
             self.dependent_rows.len(),

@@ -1,6 +1,7 @@
 //! Runs of one scene, and their derivatives.
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayDyn};
@@ -14,19 +15,22 @@ use crate::arrays::{self, Numbers};
 use crate::controls::{Controls, Policy};
 use crate::gradient::Gradient;
 use crate::impulse::{self, Impulse};
+use crate::picture::Corners;
 use crate::report::GradientReport;
 use crate::scene::Scene;
 use crate::seeds::{self, Bars};
 use crate::solver::Solver;
 use crate::step_jacobian::StepJacobian;
-use crate::{errors, state, threads};
+use crate::{errors, picture, state, threads};
 
 /// A run, with everything that its derivatives need.
+///
+/// `rollout` makes them. Runs never change, can be pickled, and may be used from several threads at once.
 #[pyclass(frozen, module = "tangency")]
 pub(crate) struct Rollout {
     scene: Py<Scene>,
     run: Arc<tangency::Rollout>,
-    /// Where derivatives are smoothed, how much.
+    /// Where derivatives are smoothed, how much (see `smoothed`); otherwise None.
     #[pyo3(get)]
     kappa: Option<f64>,
 }
@@ -34,7 +38,39 @@ pub(crate) struct Rollout {
 /// What a pickle holds.
 type Kept<'py> = (Py<Scene>, Bound<'py, PyBytes>, Option<f64>);
 
-/// See `tangency/_native.pyi`.
+/// Runs a scene.
+///
+/// Parameters
+/// ----------
+/// scene : Scene
+///     What moves.
+/// steps : int, optional
+///     How many steps; as many as there are controls, or else those of the scene's duration, unless given.
+/// controls : array_like, shape (steps, channels), or callable, optional
+///     The control of every step, or a policy: ``controls(k, state)`` is called before step k with the
+///     `State` there and returns ``channels`` numbers. Zero unless given.
+/// state : State or (q, v) or (q, v, time), optional
+///     Where the run begins; the scene's initial state unless given.
+/// backend : str
+///     Solver of the complementarity problems, one of `backends`.
+/// tolerance : float, optional
+///     Its tolerance, in (0, 1); its own unless given. Backends that pivot have none.
+///
+/// Returns
+/// -------
+/// Rollout
+///
+/// Raises
+/// ------
+/// StepError
+///     If a step cannot be solved to the scene's tolerance, or a control is not finite. There is no wrong
+///     state instead.
+/// ValueError
+///     If an array has another shape or the state is not finite.
+///
+/// Notes
+/// -----
+/// What the policy raises comes out of `rollout` as it was raised.
 #[pyfunction]
 #[pyo3(signature = (scene, steps = None, controls = None, *, state = None, backend = "ipm", tolerance = None))]
 pub(crate) fn rollout<'py>(
@@ -83,6 +119,14 @@ impl Rollout {
 
     fn shape(&self) -> [usize; 3] {
         [self.run.records.len() + 1, self.it().bodies().len(), 3]
+    }
+
+    /// The index of a state; negative ones count from the end.
+    fn index(&self, k: isize) -> PyResult<usize> {
+        let count = self.run.records.len() + 1;
+        let index = if k < 0 { count.checked_add_signed(k) } else { k.try_into().ok() };
+        let none = || PyIndexError::new_err(format!("there is no state {k}; there are {count}"));
+        index.filter(|index| *index < count).ok_or_else(none)
     }
 
     fn record(&self, step: usize) -> PyResult<&tangency::StepRecord> {
@@ -140,11 +184,13 @@ pub(crate) fn direction(
 
 #[pymethods]
 impl Rollout {
+    /// The scene that ran.
     #[getter]
     fn scene<'py>(&self, py: Python<'py>) -> Bound<'py, Scene> {
         self.scene.bind(py).clone()
     }
 
+    /// Number of steps.
     #[getter]
     fn steps(&self) -> usize {
         self.run.records.len()
@@ -154,52 +200,87 @@ impl Rollout {
         self.run.records.len()
     }
 
+    /// Poses (m, m, rad) of all bodies, shape (steps + 1, bodies, 3); the initial ones first.
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         arrays::tables(py, self.run.states().map(|state| &state.q[..]), self.shape())
     }
 
+    /// Velocities (m/s, m/s, rad/s) of all bodies, shape (steps + 1, bodies, 3); the initial ones first.
     #[getter]
     fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray3<f64>>> {
         arrays::tables(py, self.run.states().map(|state| &state.v[..]), self.shape())
     }
 
+    /// Times of the states, s, shape (steps + 1,).
     #[getter]
     fn time<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.run.states().map(|state| state.time).collect::<Vec<_>>().into_pyarray(py)
     }
 
+    /// Controls of the steps, shape (steps, channels); those of a policy as it gave them.
     #[getter]
     fn controls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let values = self.run.records.iter().flat_map(|record| record.control.clone()).collect();
         arrays::array(py, values, &[self.run.records.len(), self.it().controls().len()])
     }
 
+    /// One state of the run.
+    ///
+    /// Parameters
+    /// ----------
+    /// step : int
+    ///     Which: 0 is the initial one, -1 the last one.
+    ///
+    /// Returns
+    /// -------
+    /// State
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such state.
     fn state<'py>(&self, py: Python<'py>, step: isize) -> PyResult<Bound<'py, PyAny>> {
-        let count = self.run.records.len() + 1;
-        let k = if step < 0 { count.checked_add_signed(step) } else { step.try_into().ok() };
-        let none = || PyIndexError::new_err(format!("there is no state {step}; there are {count}"));
-        let k = k.filter(|k| *k < count).ok_or_else(none)?;
-        state::to_python(py, self.run.state(k))
+        state::to_python(py, self.run.state(self.index(step)?))
     }
 
+    /// The last state.
     #[getter]
     fn last<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         state::to_python(py, self.run.last())
     }
 
+    /// Worst scaled residual of any step's problem.
     #[getter]
     fn residual(&self) -> f64 {
         self.run.residual()
     }
 
+    /// Mechanical energy of every state, J, shape (steps + 1,).
     #[getter]
     fn energy<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         let energies: Vec<f64> = self.run.states().map(|state| self.it().energy(state)).collect();
         energies.into_pyarray(py)
     }
 
-    /// Contacts that push in a step: bodies, point, normal, impulses.
+    /// Contacts that push in a step.
+    ///
+    /// Parameters
+    /// ----------
+    /// step : int
+    ///     Which step.
+    ///
+    /// Returns
+    /// -------
+    /// list of dict
+    ///     ``bodies`` (two names, a and b), ``point`` (m), ``normal`` (from a to b), ``gap`` (m, before the
+    ///     step), ``normal_impulse`` and ``tangent_impulse`` (on b, N·s; the tangent is the normal turned by
+    ///     +90°). Where impacts divide the step, those of its parts come first.
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such step.
     fn contacts<'py>(&self, py: Python<'py>, step: usize) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let record = self.record(step)?;
         let one = |record: &tangency::StepRecord, push: &tangency::ContactImpulse| {
@@ -222,11 +303,45 @@ impl Rollout {
         pushes.map(|(record, push)| one(record, &push)).collect()
     }
 
+    /// Impulses of all rows of a step, those of its parts first.
+    ///
+    /// Parameters
+    /// ----------
+    /// step : int
+    ///     Which step.
+    ///
+    /// Returns
+    /// -------
+    /// list of Impulse
+    ///     Losses may depend on them: see `gradient`.
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such step.
     fn impulses(&self, step: usize) -> PyResult<Vec<Impulse>> {
         Ok(impulse::of_step(self.it(), step, self.record(step)?))
     }
 
     /// What a step modelled and what it cost.
+    ///
+    /// Parameters
+    /// ----------
+    /// step : int
+    ///     Which step.
+    ///
+    /// Returns
+    /// -------
+    /// dict of str to int
+    ///     ``free_bodies``, ``linear_islands``, ``lcp_islands``, ``rows``, ``contacts``, ``iterations``,
+    ///     ``factorisations``, ``displacements`` that mended positions; islands that let position errors stay
+    ///     (``loose_islands``), gave up restitution (``plastic_islands``) or could only be mended in part
+    ///     (``soft_islands``); and ``impacts`` that divide the step.
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such step.
     fn counts<'py>(&self, py: Python<'py>, step: usize) -> PyResult<Bound<'py, PyDict>> {
         let counts = self.record(step)?.counts(self.it());
         let all = PyDict::new(py);
@@ -245,7 +360,34 @@ impl Rollout {
         Ok(all)
     }
 
-    #[pyo3(signature = (q = None, v = None, *, wrt = Vec::new(), impulses = Vec::new()))]
+    /// The gradient of a loss over the run, by reverse mode: one transposed linear solve per island and step.
+    ///
+    /// Parameters
+    /// ----------
+    /// q, v : array_like, shape (bodies, 3) or (steps + 1, bodies, 3), optional
+    ///     ∂L/∂q and ∂L/∂v: of the last state alone, or of all states. Zero unless given.
+    /// wrt : list of str
+    ///     Names of numbers, as of `Scene.value`, that ``values`` of the result will have; ``gradient[name]``
+    ///     gives all others as well.
+    /// impulses : list of (Impulse, float)
+    ///     ∂L/∂impulse for every impulse that the loss sees, each as `impulses` gave it.
+    ///
+    /// Returns
+    /// -------
+    /// Gradient
+    ///
+    /// Raises
+    /// ------
+    /// GradientError
+    ///     If a seed is not finite, or a linear system of the way back is singular.
+    /// SceneError
+    ///     If the scene has no number of a name.
+    /// ValueError
+    ///     If a seed has another shape.
+    #[pyo3(
+        signature = (q = None, v = None, *, wrt = Vec::new(), impulses = Vec::new()),
+        text_signature = "($self, q=None, v=None, *, wrt=(), impulses=())"
+    )]
     fn gradient(
         &self,
         py: Python<'_>,
@@ -288,6 +430,30 @@ impl Rollout {
         Ok(Gradient { scene: self.scene.get().scene.clone(), by: found.by, wrt, report })
     }
 
+    /// How all states change along one direction of the run's inputs, by forward mode.
+    ///
+    /// Parameters
+    /// ----------
+    /// q0, v0 : array_like, shape (bodies, 3), optional
+    ///     Change of the initial state. Zero unless given.
+    /// controls : array_like, shape (steps, channels), optional
+    ///     Change of the controls. Zero unless given.
+    /// values : dict of str to float, optional
+    ///     Rates of named numbers, as of `Scene.value`.
+    ///
+    /// Returns
+    /// -------
+    /// dq, dv : ndarray, shape (steps + 1, bodies, 3)
+    ///     Change of all poses and velocities per unit along the direction.
+    ///
+    /// Raises
+    /// ------
+    /// GradientError
+    ///     If the direction is not finite, or a linear system on the way is singular.
+    /// SceneError
+    ///     If the scene has no number of a name.
+    /// ValueError
+    ///     If an array has another shape.
     #[pyo3(signature = (*, q0 = None, v0 = None, controls = None, values = None))]
     #[expect(clippy::type_complexity, reason = "a pair of arrays")]
     fn tangent<'py>(
@@ -307,7 +473,31 @@ impl Rollout {
         Ok((q, v))
     }
 
-    #[pyo3(signature = (step, *, wrt = Vec::new()))]
+    /// All derivatives of one step.
+    ///
+    /// Parameters
+    /// ----------
+    /// step : int
+    ///     Which step.
+    /// wrt : list of str
+    ///     Names of numbers, as of `Scene.value`, for the columns of ``parameters``.
+    ///
+    /// Returns
+    /// -------
+    /// StepJacobian
+    ///
+    /// Raises
+    /// ------
+    /// GradientError
+    ///     If a linear system of the step is singular.
+    /// IndexError
+    ///     If there is no such step.
+    /// SceneError
+    ///     If the scene has no number of a name.
+    #[pyo3(
+        signature = (step, *, wrt = Vec::new()),
+        text_signature = "($self, step, *, wrt=())"
+    )]
     fn step_jacobian(
         &self,
         py: Python<'_>,
@@ -322,6 +512,26 @@ impl Rollout {
     }
 
     /// The same run, prepared for derivatives along the central path.
+    ///
+    /// States and impulses stay as they are; derivatives are those of the problem in which every
+    /// complementarity product is `kappa` instead of 0, so that contacts just out of touch and bodies that
+    /// friction holds have some, too.
+    ///
+    /// Parameters
+    /// ----------
+    /// kappa : float
+    ///     The products, scaled without unit; 1e-4 is a good first choice, less is sharper.
+    ///
+    /// Returns
+    /// -------
+    /// Rollout
+    ///
+    /// Raises
+    /// ------
+    /// GradientError
+    ///     If `kappa` is not positive and finite, or a point of the path is not found.
+    /// ValueError
+    ///     If the run is smoothed already.
     fn smoothed(&self, py: Python<'_>, kappa: f64) -> PyResult<Self> {
         if self.kappa.is_some() {
             return Err(PyValueError::new_err(
@@ -332,6 +542,81 @@ impl Rollout {
         let mode = GradientMode::Smoothed { kappa };
         py.detach(|| mode.prepare(&mut run)).map_err(errors::gradient)?;
         Ok(Self { scene: self.scene.clone_ref(py), run: Arc::new(run), kappa: Some(kappa) })
+    }
+
+    /// A picture of state k, -1 for the last one.
+    ///
+    /// Parameters
+    /// ----------
+    /// k : int
+    ///     Which state, from -1 - steps to steps.
+    /// width, height : int
+    ///     Pixels, 1 to 8000.
+    /// view : (float, float, float, float), optional
+    ///     What part of the world it holds: x from, to, y from, to, m; fitted to the whole run unless given.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint8, shape (height, width, 3)
+    ///     Red, green and blue, from the top left.
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such state.
+    /// ValueError
+    ///     If there is no such size or view.
+    #[pyo3(signature = (k, width = 600, height = 400, *, view = None))]
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        k: isize,
+        width: u32,
+        height: u32,
+        view: Option<Corners>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let state = self.run.state(self.index(k)?);
+        let view = picture::view(self.it(), view, self.run.states())?;
+        picture::rgb(py, &picture::draw(py, self.it(), state, (width, height), view)?)
+    }
+
+    /// The HTML page that plays the run in a browser, without a network.
+    ///
+    /// Parameters
+    /// ----------
+    /// title : str, optional
+    ///     Its title; the scene's name unless given.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///     All of it; of long runs every few steps, so that it has a few MB at most.
+    #[pyo3(signature = (title = None))]
+    fn replay(&self, py: Python<'_>, title: Option<&str>) -> String {
+        py.detach(|| picture::page(self.it(), &self.run, title))
+    }
+
+    /// Writes the page that `replay` makes.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path
+    ///     The file.
+    /// title : str, optional
+    ///     The page's title; the scene's name unless given.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be written.
+    #[pyo3(signature = (path, title = None))]
+    fn save_replay(&self, py: Python<'_>, path: PathBuf, title: Option<&str>) -> PyResult<()> {
+        Ok(std::fs::write(path, self.replay(py, title))?)
+    }
+
+    /// The page inside of a frame, for notebooks.
+    fn _repr_html_(&self, py: Python<'_>) -> String {
+        picture::inline(&self.replay(py, None))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Kept<'py>)> {

@@ -1,21 +1,45 @@
 //! Scenes.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use nalgebra::DVector;
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::exceptions::{PyKeyError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyBytes, PyDict, PyTuple};
 use tangency::diff::Coordinates;
-use tangency::{BodyKind, Parameter, SceneFormat, StateVector};
+use tangency::{BodyKind, Param, Parameter, SceneFormat, StateVector};
 
 use crate::arrays::{self, Numbers};
-use crate::{errors, state};
+use crate::picture::Corners;
+use crate::{errors, picture, state};
 
-/// A checked scene. Never changes: `with_values` makes another one.
+/// A checked scene: bodies, joints, forces, control channels and the numbers of the model.
+///
+/// Scenes never change; `with_values` makes another one. They compare by value, have a hash, can be
+/// pickled and sent to other processes, and may be used from several threads at once.
+///
+/// Parameters
+/// ----------
+/// definition : SceneDef or mapping
+///     A definition, or a mapping with the keys of a scene file.
+///
+/// Raises
+/// ------
+/// SceneError
+///     If the scene cannot be: the message names field, value and remedy.
+/// TypeError
+///     If `definition` is something else, or holds something that has no place in a scene.
+/// ValueError
+///     If a number is NaN or infinite.
+///
+/// See Also
+/// --------
+/// Scene.load : Reads a scene file.
+/// Scene.parse : Reads the text of one.
 #[pyclass(frozen, module = "tangency", weakref)]
 pub(crate) struct Scene {
     pub(crate) scene: Arc<tangency::Scene>,
@@ -36,10 +60,19 @@ impl Scene {
         let mut scene = (*self.scene).clone();
         for (name, value) in &values {
             let parameter = Parameter::parse(&scene, name).map_err(errors::scene)?;
-            parameter.set(&mut scene, *value).map_err(errors::scene)?;
+            parameter.set(&mut scene, *value).map_err(|error| errors::number(name, error))?;
         }
         let changes = self.changes.iter().cloned().chain(values).collect();
         Ok(Self { scene: Arc::new(scene), changes })
+    }
+
+    /// The number of the scene that a parameter sets: a density is a mass, and so is an inertia that follows it.
+    fn number_set(&self, param: Param) -> Param {
+        match param {
+            Param::Density(i) => Param::Mass(i),
+            Param::Inertia(i) if self.scene.bodies()[i].inertia_follows_mass => Param::Mass(i),
+            _ => param,
+        }
     }
 
     /// The parameters of these names.
@@ -65,12 +98,46 @@ impl Scene {
         Self::parse(&text, "json")
     }
 
+    /// Reads a scene file, TOML (`.toml`) or JSON (`.json`).
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or os.PathLike
+    ///     Where the file is.
+    ///
+    /// Returns
+    /// -------
+    /// Scene
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     If the file cannot be read or its scene cannot be; with line and column where there is one.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         let scene = tangency::load_scene(path).map_err(errors::scene)?;
         Ok(Self { scene: Arc::new(scene), changes: Vec::new() })
     }
 
+    /// Reads the text of a scene file.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     The text.
+    /// format : {"toml", "json"}
+    ///     Its format.
+    ///
+    /// Returns
+    /// -------
+    /// Scene
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     If the scene cannot be; with line and column where there is one.
+    /// ValueError
+    ///     If there is no such format.
     #[staticmethod]
     #[pyo3(signature = (text, format = "toml"))]
     fn parse(text: &str, format: &str) -> PyResult<Self> {
@@ -78,6 +145,23 @@ impl Scene {
         Self::of(&tangency::parse_scene(text, format).map_err(errors::scene)?)
     }
 
+    /// The text of a scene file with the definition that the scene was built from.
+    ///
+    /// Numbers changed by `with_values` are not in it: they belong to the scene, not to its definition.
+    ///
+    /// Parameters
+    /// ----------
+    /// format : {"json", "toml"}
+    ///     Its format.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such format.
     #[pyo3(signature = (format = "json"))]
     fn text(&self, format: &str) -> PyResult<String> {
         Ok(match self::format(format)? {
@@ -86,27 +170,31 @@ impl Scene {
         })
     }
 
+    /// Name of the scene.
     #[getter]
     fn name(&self) -> &str {
         &self.scene.def().name
     }
 
+    /// What the scene is, for people.
     #[getter]
     fn description(&self) -> &str {
         &self.scene.def().description
     }
 
+    /// Time step, s: that of the scene as it is, `with_values` included.
     #[getter]
     fn dt(&self) -> f64 {
         self.scene.dt()
     }
 
+    /// How long a run lasts unless told otherwise, s.
     #[getter]
     fn duration(&self) -> f64 {
         self.scene.def().duration
     }
 
-    /// Steps of a run of the scene's own duration.
+    /// Number of steps of a run of the scene's own duration.
     #[getter]
     #[expect(
         clippy::cast_possible_truncation,
@@ -117,16 +205,19 @@ impl Scene {
         (self.scene.def().duration / self.scene.dt()).round() as usize
     }
 
+    /// Names of all bodies, in the order in which arrays have them.
     #[getter]
     fn bodies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.scene.bodies().iter().map(|body| body.name.as_str()))
     }
 
+    /// Names of all joints.
     #[getter]
     fn joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.scene.joints().iter().map(|joint| joint.name.as_str()))
     }
 
+    /// Names of the control channels, in the order in which controls have them.
     #[getter]
     fn controls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, self.scene.def().controls.iter().map(|control| control.name.as_str()))
@@ -138,25 +229,109 @@ impl Scene {
         PyTuple::new(py, Coordinates::of(&self.scene).bodies())
     }
 
+    /// Index of a body.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name.
+    ///
+    /// Returns
+    /// -------
+    /// int
+    ///
+    /// Raises
+    /// ------
+    /// KeyError
+    ///     If there is no such body.
     fn body(&self, name: &str) -> PyResult<usize> {
         let unknown = || PyKeyError::new_err(format!("the scene has no body {name:?}"));
         self.scene.body_index(name).ok_or_else(unknown)
     }
 
+    /// Index of a joint.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name.
+    ///
+    /// Returns
+    /// -------
+    /// int
+    ///
+    /// Raises
+    /// ------
+    /// KeyError
+    ///     If there is no such joint.
     fn joint(&self, name: &str) -> PyResult<usize> {
         let unknown = || PyKeyError::new_err(format!("the scene has no joint {name:?}"));
         self.scene.joint_index(name).ok_or_else(unknown)
     }
 
+    /// The state at the start, a `State`.
     #[getter]
     fn initial_state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         state::to_python(py, &self.scene.initial_state())
     }
 
+    /// A number of the scene by its name, such as ``"mass:ball"``, ``"gravity.y"`` or ``"position.x:box"``.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     What it is and whose: ``"quantity:target"`` or ``"quantity.component:target"``, the target a body,
+    ///     a joint, a group of bodies or ``*``.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     In SI units; that of the first target where there are several.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     If the scene has no such number; the message lists what there is.
     fn value(&self, name: &str) -> PyResult<f64> {
         Ok(Parameter::parse(&self.scene, name).map_err(errors::scene)?.value(&self.scene))
     }
 
+    /// Refuses names of which two set the same number.
+    fn _check_apart(&self, names: Vec<String>) -> PyResult<()> {
+        let parameters = self.parameters(&names)?;
+        let mut setters: BTreeMap<Param, &str> = BTreeMap::new();
+        for (name, parameter) in names.iter().zip(&parameters) {
+            for (param, _) in &parameter.targets {
+                let other = setters.insert(self.number_set(*param), name);
+                if let Some(other) = other.filter(|other| other != name) {
+                    return Err(PyValueError::new_err(format!(
+                        "{other:?} and {name:?} set the same number; give one of them"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same scene with other numbers.
+    ///
+    /// Parameters
+    /// ----------
+    /// values : dict of str to float
+    ///     New numbers by name, as of `value`; set in this order. A name of several targets sets all of them.
+    ///
+    /// Returns
+    /// -------
+    /// Scene
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     If the scene has no such number, or the number cannot be that.
+    ///
+    /// Examples
+    /// --------
+    /// >>> heavy = scene.with_values({"mass:links": 2.0, "friction:*": 0.3})  # doctest: +SKIP
     fn with_values(&self, values: &Bound<'_, PyDict>) -> PyResult<Self> {
         let pair = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| -> PyResult<_> {
             Ok((name.extract()?, value.extract()?))
@@ -164,6 +339,24 @@ impl Scene {
         self.changed(values.iter().map(pair).collect::<PyResult<_>>()?)
     }
 
+    /// What a step from a state models: bodies that move freely, and islands with their rows.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v), optional
+    ///     The initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     ``dynamic_bodies`` and ``other_bodies`` (int), ``free_bodies`` (names), and ``islands``, a list of
+    ///     dictionaries with ``bodies`` (names), ``path`` ("linear" or "complementarity") and the number of
+    ///     ``equality_rows``, ``motor_rows``, ``limit_rows``, ``contact_rows`` and ``friction_rows``.
+    ///
+    /// Raises
+    /// ------
+    /// StepError
+    ///     If geometry has no answer, as where two centres coincide.
     #[pyo3(signature = (state = None))]
     fn inspect<'py>(
         &self,
@@ -192,11 +385,33 @@ impl Scene {
         Ok(all)
     }
 
+    /// Mechanical energy: kinetic, of gravity (zero at the origin), and of springs.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v), optional
+    ///     The initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     J.
     #[pyo3(signature = (state = None))]
     fn energy(&self, state: Option<&Bound<'_, PyAny>>) -> PyResult<f64> {
         Ok(self.scene.energy(&state::from_python(&self.scene, state)?))
     }
 
+    /// Momentum of all dynamic bodies.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v), optional
+    ///     The initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (3,)
+    ///     Linear momentum (N·s, N·s) and angular momentum about the origin (N·m·s).
     #[pyo3(signature = (state = None))]
     fn momentum<'py>(
         &self,
@@ -207,18 +422,59 @@ impl Scene {
         Ok(arrays::vector(py, &DVector::from_column_slice(found.as_slice())))
     }
 
+    /// Largest position error of the rigid joints.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v), optional
+    ///     The initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     m or rad.
     #[pyo3(signature = (state = None))]
     fn joint_drift(&self, state: Option<&Bound<'_, PyAny>>) -> PyResult<f64> {
         Ok(self.scene.joint_drift(&state::from_python(&self.scene, state)?))
     }
 
+    /// Deepest penetration.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v), optional
+    ///     The initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// float
+    ///     m; 0 where nothing penetrates.
+    ///
+    /// Raises
+    /// ------
+    /// StepError
+    ///     If geometry has no answer, as where two centres coincide.
     #[pyo3(signature = (state = None))]
     fn penetration(&self, state: Option<&Bound<'_, PyAny>>) -> PyResult<f64> {
         let state = state::from_python(&self.scene, state)?;
         self.scene.penetration(&state).map_err(errors::step)
     }
 
-    /// x = (q, v) of the dynamic bodies.
+    /// The coordinates of the dynamic bodies as one vector.
+    ///
+    /// ::
+    ///
+    ///     x = (x₁ y₁ θ₁ … xₙ yₙ θₙ | ẋ₁ ẏ₁ ω₁ … ẋₙ ẏₙ ωₙ)
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v), optional
+    ///     The initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, shape (6 n,)
+    ///     Of the n bodies of `dynamic`.
     #[pyo3(signature = (state = None))]
     fn coordinates<'py>(
         &self,
@@ -230,6 +486,22 @@ impl Scene {
     }
 
     /// The state whose dynamic bodies have these coordinates.
+    ///
+    /// Parameters
+    /// ----------
+    /// x : array_like, shape (6 n,)
+    ///     As `coordinates` gives them.
+    /// state : State or (q, v), optional
+    ///     Where all other bodies, and the time, come from; the initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// State
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If `x` has another shape.
     #[pyo3(signature = (x, state = None))]
     fn at_coordinates<'py>(
         &self,
@@ -247,7 +519,7 @@ impl Scene {
         state::to_python(py, &state)
     }
 
-    /// Masses (kg, kg, kg·m²) per body; zero for those that forces do not move.
+    /// Masses (kg, kg, kg·m²) of all bodies, shape (bodies, 3); zero for those that forces do not move.
     #[getter]
     fn mass<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let of = |body: &tangency::Body| match body.kind {
@@ -265,6 +537,60 @@ impl Scene {
     #[staticmethod]
     fn _rebuild(text: &str, changes: Vec<(String, f64)>) -> PyResult<Self> {
         Self::parse(text, "json")?.changed(changes)
+    }
+
+    /// Shapes of every body as in a scene file, but about the centres of mass.
+    ///
+    /// A list per body of mappings like ``{"circle": {"radius": 0.1, "center": [0.0, 0.0]}}``; with the numbers
+    /// that `with_values` gave.
+    #[getter]
+    fn shapes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let all: Vec<_> =
+            self.scene.colliders().iter().map(tangency::collision::Collider::shapes).collect();
+        let text = serde_json::to_string(&all).map_err(errors::value)?;
+        py.import(intern!(py, "json"))?.call_method1(intern!(py, "loads"), (text,))
+    }
+
+    /// A picture of a state, the initial one unless given.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State, optional
+    ///     What is shown.
+    /// width, height : int
+    ///     Pixels, 1 to 8000.
+    /// view : (float, float, float, float), optional
+    ///     What part of the world it holds: x from, to, y from, to, m; fitted to the state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray of uint8, shape (height, width, 3)
+    ///     Red, green and blue, from the top left.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such size, view or state.
+    #[pyo3(signature = (state = None, width = 600, height = 400, *, view = None))]
+    fn picture<'py>(
+        &self,
+        py: Python<'py>,
+        state: Option<&Bound<'py, PyAny>>,
+        width: u32,
+        height: u32,
+        view: Option<Corners>,
+    ) -> PyResult<Bound<'py, PyArray3<u8>>> {
+        let state = state::from_python(&self.scene, state)?;
+        let view = picture::view(&self.scene, view, [&state])?;
+        picture::rgb(py, &picture::draw(py, &self.scene, &state, (width, height), view)?)
+    }
+
+    /// The initial state as a PNG file, for notebooks.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let state = self.scene.initial_state();
+        let view = picture::view(&self.scene, None, [&state])?;
+        let image = picture::draw(py, &self.scene, &state, (600, 400), view)?;
+        Ok(PyBytes::new(py, &image.to_png().map_err(errors::value)?))
     }
 
     /// Text that tells scenes apart: equal for equal scenes.

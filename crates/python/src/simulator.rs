@@ -14,7 +14,26 @@ use crate::scene::Scene;
 use crate::solver::Solver;
 use crate::{errors, state, threads};
 
-/// A scene that is stepped; keeps its last step only.
+/// One environment, step by step; keeps its last step only.
+///
+/// Memory stays flat and nothing is recorded: to differentiate, take `rollout`. A simulator can be pickled
+/// and then goes on to the same bits. One thread at a time may step it.
+///
+/// Parameters
+/// ----------
+/// scene : Scene
+///     What moves.
+/// state : State or (q, v) or (q, v, time), optional
+///     Where it begins; the scene's initial state unless given.
+/// backend : str
+///     Solver of the complementarity problems, one of `backends`.
+/// tolerance : float, optional
+///     Its tolerance, in (0, 1); its own unless given. Backends that pivot have none.
+///
+/// Raises
+/// ------
+/// ValueError
+///     If the state, the backend or the tolerance does not fit.
 #[pyclass(module = "tangency")]
 pub(crate) struct Simulator {
     scene: Py<Scene>,
@@ -50,43 +69,66 @@ impl Simulator {
         Ok(Self { scene, it, solver, start, last: None, scratch: StepScratch::default(), steps: 0 })
     }
 
+    /// The scene.
     #[getter]
     fn scene<'py>(&self, py: Python<'py>) -> Bound<'py, Scene> {
         self.scene.bind(py).clone()
     }
 
+    /// The state that it has come to, a `State`.
     #[getter]
     fn state<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         state::to_python(py, self.current())
     }
 
+    /// Poses (m, m, rad) now, shape (bodies, 3).
     #[getter]
     fn q<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         arrays::triples(py, &self.current().q)
     }
 
+    /// Velocities (m/s, m/s, rad/s) now, shape (bodies, 3).
     #[getter]
     fn v<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         arrays::triples(py, &self.current().v)
     }
 
+    /// Time now, s.
     #[getter]
     fn time(&self) -> f64 {
         self.current().time
     }
 
-    /// Steps since the start.
+    /// Steps since the start or the last `reset`.
     #[getter]
     fn steps(&self) -> usize {
         self.steps
     }
 
-    /// Residual of the last step; 0 before the first one.
+    /// Scaled residual of the last step; 0 before the first one.
     #[getter]
     fn residual(&self) -> f64 {
         self.last.as_ref().map_or(0.0, StepRecord::residual)
     }
 
+    /// Takes one step.
+    ///
+    /// Parameters
+    /// ----------
+    /// control : array_like, shape (channels,), optional
+    ///     A number does for one channel. Zero unless given.
+    ///
+    /// Returns
+    /// -------
+    /// State
+    ///     Where it is now.
+    ///
+    /// Raises
+    /// ------
+    /// StepError
+    ///     If the step cannot be solved, or a control is not finite; the simulator stays where it was.
+    /// ValueError
+    ///     If `control` has another shape.
     #[pyo3(signature = (control = None))]
     fn step<'py>(
         &mut self,
@@ -115,7 +157,22 @@ impl Simulator {
         state::to_python(py, self.current())
     }
 
-    /// Goes to a state; the scene's own unless given.
+    /// Goes to a state.
+    ///
+    /// Parameters
+    /// ----------
+    /// state : State or (q, v) or (q, v, time), optional
+    ///     The scene's initial state unless given.
+    ///
+    /// Returns
+    /// -------
+    /// State
+    ///     Where it is now.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If the state does not fit or is not finite.
     #[pyo3(signature = (state = None))]
     fn reset<'py>(
         &mut self,
@@ -127,7 +184,11 @@ impl Simulator {
         state::to_python(py, &self.start)
     }
 
-    /// Impulses of the last step.
+    /// Impulses of all rows of the last step; none before the first one.
+    ///
+    /// Returns
+    /// -------
+    /// list of Impulse
     fn impulses(&self) -> Vec<Impulse> {
         let step = self.steps.saturating_sub(1);
         self.last.as_ref().map_or_else(Vec::new, |record| impulse::of_step(&self.it, step, record))

@@ -7,6 +7,10 @@ use pyo3::prelude::*;
 use tangency::LcpSolver;
 
 /// Names of the backends, the first of which is used unless told otherwise.
+///
+/// Returns
+/// -------
+/// list of str
 #[pyfunction]
 pub(crate) fn backends() -> Vec<&'static str> {
     tangency::BACKENDS.to_vec()

@@ -4,6 +4,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyList, PyTuple};
 use tangency::{Scene, State};
 
 use crate::arrays::{Numbers, triples};
@@ -22,11 +23,11 @@ pub(crate) fn to_python<'py>(py: Python<'py>, state: &State) -> PyResult<Bound<'
 /// A state from Python; the scene's own where there is none.
 pub(crate) fn from_python(scene: &Scene, given: Option<&Bound<'_, PyAny>>) -> PyResult<State> {
     let Some(given) = given else { return Ok(scene.initial_state()) };
-    let wrong =
-        || PyValueError::new_err("a state is a tangency.State, or a tuple (q, v) or (q, v, time)");
-    let length = given.len().map_err(|_| wrong())?;
+    let listed = given.is_instance_of::<PyTuple>() || given.is_instance_of::<PyList>();
+    let length = if listed { given.len()? } else { 0 };
     if !(2..=3).contains(&length) {
-        return Err(wrong());
+        let message = "a state is a tangency.State, or a tuple (q, v) or (q, v, time)";
+        return Err(PyValueError::new_err(message));
     }
     let part = |name: &str, k: usize| -> PyResult<_> {
         let numbers: Numbers = given.get_item(k)?.extract()?;

@@ -1,6 +1,6 @@
 //! Numbers of the scene itself.
 
-use tangency::{ContactModel, Correction};
+use tangency::{ContactModel, Correction, Stepping};
 
 use super::check;
 
@@ -17,6 +17,14 @@ fn settings() {
     check(
         |d| d.contact_model = ContactModel::Velocity { contact_distance: 0.0 },
         "contact_model.velocity.contact_distance is 0: give a positive finite number",
+    );
+    check(
+        |d| d.contact_reach = -1.0,
+        "contact_reach is -1: give a finite number of metres, 0 for none",
+    );
+    check(
+        |d| (d.contact_reach, d.stepping) = (1.0, Stepping::ImpactResolved { max_impacts: 8 }),
+        "contact_reach: contacts from afar need the contact model `gap` and stepping `fixed`",
     );
     check(
         |d| d.stabilisation.joints = Correction::Baumgarte { fraction: 1.5 },

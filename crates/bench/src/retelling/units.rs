@@ -156,6 +156,7 @@ impl Retelling for Units {
         let mut def = def.clone();
         self.change(&mut def.gravity, ACCELERATION);
         self.change([&mut def.dt, &mut def.duration], TIME);
+        self.change([&mut def.contact_reach], LENGTH);
         self.change([&mut def.recovery_speed], SPEED);
         self.change([&mut def.recovery_rate], RATE);
         if let ContactModel::Velocity { contact_distance } = &mut def.contact_model {

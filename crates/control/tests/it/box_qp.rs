@@ -106,3 +106,13 @@ fn not_positive_definite() {
     let problem = BoxQp { hessian: &nan, gradient: &g, limits: &limits };
     assert!(problem.solve(&DVector::zeros(2)).is_none());
 }
+
+#[test]
+fn a_start_that_is_all_but_at_a_limit() {
+    let (h, g) = (DMatrix::from_element(1, 1, 0.9), DVector::from_element(1, 0.003));
+    let limits = ControlLimits::new(vec![0.0], vec![1.0]).expect("limits");
+    let start = DVector::from_element(1, 6e-17);
+    let found = BoxQp { hessian: &h, gradient: &g, limits: &limits }.solve(&start);
+    let found = found.expect("positive definite");
+    assert_eq!((found.minimum[0], found.free.len()), (0.0, 0));
+}
