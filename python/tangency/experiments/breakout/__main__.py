@@ -117,7 +117,7 @@ def paragraphs(found: list[Point], setting: Setting) -> list[str]:
         "What differs from the paper. The paddle of this game has inertia and acts a frame late, so that its speed alone "
         "is too little: drag and delay are learned too. The planner aims at a place of the paddle that is drawn for every "
         "fall of the ball, up to 35 % of its width from the middle: whoever always meets the ball with the middle "
-        "ends in a flight that repeats and hits no brick, as the follower does. The paper's human level is a line; the deep "
+        "may end in a flight that repeats and hits no brick, as the follower does. The paper's human level is a line; the deep "
         "networks that it compares with were not trained here. How the ball leaves the paddle, faster after some "
         "hits and steeper near the ends, is not in the model; no plan looks that far.",
     ]

@@ -155,7 +155,8 @@ class Planner:
     """Iterative LQR through the engine over five frames, anew at every frame.
 
     The cost is the paper's: the squared distance of paddle and ball while the ball falls, and else that of the paddle
-    from the middle; a push as long as the plan's beats none if it is at least half a full one.
+    from the middle. The action is the sign of the plan's first push, or none if that is less than half a full one. The
+    ball is met with a place of the paddle that is drawn for every fall.
     """
 
     def __init__(self, numbers: Numbers, seed: int) -> None:
@@ -191,7 +192,7 @@ class Planner:
         return scene(self._numbers.drag, self._eyes.width)
 
     def _state(self) -> tangency.State:
-        """The engine's, as seen; a ball that is not there rests in the middle."""
+        """The engine's, as seen; a ball that is not above the paddle rests in the middle."""
         eyes, start = self._eyes, self._scene.initial_state
         q, v = start.q.copy(), np.zeros_like(start.v)
         q[_PADDLE, 0], v[_PADDLE, 0] = eyes.center, self._speed
