@@ -76,7 +76,7 @@ def figure(found: list[Point]) -> Figure:
     axes.set(xscale="log", yscale="symlog", ylim=(0, 1200), xlabel="frames of random play", ylabel="score")
     ticks = [0, 1, 3, 10, 30, 100, 300, HIGHEST]
     axes.set_yticks(ticks, [str(tick) for tick in ticks])
-    axes.legend(fontsize="small", loc="center right")
+    axes.legend(fontsize="small", loc="center right", bbox_to_anchor=(1.0, 0.38))
     return page
 
 
@@ -97,6 +97,8 @@ def paragraphs(found: list[Point], setting: Setting) -> list[str]:
         }
         for point in found
     ]
+    taught = [point for point in found if point.player == "planner"]
+    follower, untaught = (next(point for point in found if point.player == name) for name in ("follower", "untaught"))
     return [
         "Atari's Breakout in the Arcade Learning Environment, as in the paper's section 4.3 and figure 6. Players see "
         "the frames alone: filters of colour find paddle, ball and bricks; the ball's velocity is that of its last two "
@@ -114,11 +116,16 @@ def paragraphs(found: list[Point], setting: Setting) -> list[str]:
         "a game. The experience is one stretch of random play, of which the smaller amounts are the beginnings. "
         "`random` draws an action every four frames; `follower` moves towards the ball's column, without a model; "
         "`untaught` is the planner with the numbers that learning starts from.",
+        f"{taught[0].experience} frames of experience lead to {mean(taught[0].scores):.0f} points, and "
+        f"{taught[-1].experience} to {mean(taught[-1].scores):.0f}: the numbers get better, the score hardly. The untaught "
+        f"planner, whose paddle swings around its aim, has {mean(untaught.scores):.0f}. That the follower has "
+        f"{mean(follower.scores):.0f} says that this game asks for little of a model: the paddle is fast beside the ball, "
+        "and whoever sees the ball can go where it is.",
         "What differs from the paper. The paddle of this game has inertia and acts a frame late, so that its speed alone "
         "is too little: drag and delay are learned too. The planner aims at a place of the paddle that is drawn for every "
         "fall of the ball, up to 35 % of its width from the middle: whoever always meets the ball with the middle "
-        "may end in a flight that repeats and hits no brick, as the follower does. The paper's human level is a line; the deep "
-        "networks that it compares with were not trained here. How the ball leaves the paddle, faster after some "
+        "may end in a flight that repeats and hits no brick. The paper's human level is a line; the deep networks that it "
+        "compares with were not trained here. How the ball leaves the paddle, faster after some "
         "hits and steeper near the ends, is not in the model; no plan looks that far.",
     ]
 
