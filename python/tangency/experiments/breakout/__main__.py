@@ -120,13 +120,14 @@ def paragraphs(found: list[Point], setting: Setting) -> list[str]:
         f"{taught[-1].experience} to {mean(taught[-1].scores):.0f}: the numbers get better, the score hardly. The untaught "
         f"planner, whose paddle swings around its aim, has {mean(untaught.scores):.0f}. That the follower has "
         f"{mean(follower.scores):.0f} says that this game asks for little of a model: the paddle is fast beside the ball, "
-        "and whoever sees the ball can go where it is.",
+        "and whoever sees the ball can go where it is. (It always goes for the middle of the paddle, without the drawn "
+        "aim below, which the untaught planner has too.)",
         "What differs from the paper. The paddle of this game has inertia and acts a frame late, so that its speed alone "
         "is too little: drag and delay are learned too. The planner aims at a place of the paddle that is drawn for every "
         "fall of the ball, up to 35 % of its width from the middle: whoever always meets the ball with the middle "
         "may end in a flight that repeats and hits no brick. The paper's human level is a line; the deep networks that it "
-        "compares with were not trained here. How the ball leaves the paddle, faster after some "
-        "hits and steeper near the ends, is not in the model; no plan looks that far.",
+        "compares with were not trained here. How the ball leaves the paddle, faster after some hits and at an angle "
+        "that depends on where they met, is not in the model; no plan looks that far.",
     ]
 
 
