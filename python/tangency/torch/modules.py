@@ -9,7 +9,7 @@ from torch import Tensor
 
 from tangency._native import Scene
 from tangency.torch.layers import rollout
-from tangency.torch.maps import Backend
+from tangency.backend import Backend
 
 __all__ = ["Rollout"]
 
