@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import importlib.util
 import inspect
 import os
 import re
@@ -18,6 +19,9 @@ import tangency.lcp_physics
 from conftest import ROOT
 
 MODULES = [tangency, tangency.lcp_physics]
+for extra, name in [("torch", "torch"), ("jax", "jax"), ("gymnasium", "gym"), ("matplotlib", "plot")]:
+    if importlib.util.find_spec(extra):
+        MODULES.append(importlib.import_module(f"tangency.{name}"))
 
 
 def public() -> Iterator[tuple[str, Any]]:
@@ -69,10 +73,10 @@ def test_examples_of_modules(module: Any) -> None:
     assert failed == 0
 
 
-@pytest.mark.parametrize("name", ["python.md", "migration-lcp-physics.md"])
+@pytest.mark.parametrize("name", ["docs/python.md", "docs/migration-lcp-physics.md", "README.md"])
 def test_examples_of_pages(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    text = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    text = (ROOT / name).read_text(encoding="utf-8")
     blocks = list(re.finditer(r"^```python\n(.*?)^```", text, re.S | re.M))
     assert blocks
     names: dict[str, Any] = {"__name__": "page"}

@@ -40,3 +40,16 @@ def test_billiards_learn_better_with_physics_inside(tmp_path: Path) -> None:
     assert test["physics"] < 0.02  # squared sides; places drawn at random are 0.1 from each other
     assert test["physics"] < test["network"]
     assert (tmp_path / "labels.svg").exists() and (tmp_path / "frames.svg").exists()
+
+
+def test_identification_finds_numbers_within_their_error_bars(tmp_path: Path) -> None:
+    from tangency.experiments.identification.__main__ import main
+
+    main(["--quick", "--out", str(tmp_path)])
+    found = rows(tmp_path / "numbers.csv")
+    assert len(found) == 10
+    for row in found:
+        true, mean, bar = (float(row[key]) for key in ("true", "mean estimate", "error bar"))
+        assert abs(mean - true) < 4.0 * bar / 20**0.5 + 1e-5  # a mean of 20; five decimals are written
+    shares = [float(row["within 2 bars"].rstrip("%")) for row in found]
+    assert sum(shares) / len(shares) > 88.0  # 95.4 % of 200 that are not independent
