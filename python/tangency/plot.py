@@ -1,6 +1,13 @@
 """Scenes and runs drawn with Matplotlib.
 
 Every function draws into `ax`, or into new axes, and returns the axes. Lengths are in m, times in s, energies in J.
+
+>>> import tangency, tangency.plot
+>>> ball = tangency.BodyDef("ball", position=(0, 1), shapes=[tangency.Circle(0.1)])
+>>> run = tangency.rollout(tangency.Scene(tangency.SceneDef([ball])), steps=30)
+>>> axes = tangency.plot.trajectory(run)
+>>> axes.get_xlabel()
+'x, m'
 """
 
 from __future__ import annotations

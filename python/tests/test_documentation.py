@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import importlib.util
 import inspect
 import os
 import re
@@ -18,6 +19,9 @@ import tangency.lcp_physics
 from conftest import ROOT
 
 MODULES = [tangency, tangency.lcp_physics]
+for extra, name in [("torch", "torch"), ("jax", "jax"), ("gymnasium", "gym"), ("matplotlib", "plot")]:
+    if importlib.util.find_spec(extra):
+        MODULES.append(importlib.import_module(f"tangency.{name}"))
 
 
 def public() -> Iterator[tuple[str, Any]]:
@@ -27,7 +31,7 @@ def public() -> Iterator[tuple[str, Any]]:
             value = getattr(module, name)
             yield f"{module.__name__}.{name}", value
             if inspect.isclass(value):
-                for member, item in vars(value).items():
+                for member, item in sorted(vars(value).items(), key=lambda pair: pair[0]):  # in no order of its own
                     kinds = (staticmethod, classmethod)
                     told = callable(item) or inspect.isdatadescriptor(item) or isinstance(item, kinds)
                     if told and not member.startswith("_"):
@@ -69,13 +73,28 @@ def test_examples_of_modules(module: Any) -> None:
     assert failed == 0
 
 
-@pytest.mark.parametrize("name", ["python.md", "migration-lcp-physics.md"])
+@pytest.mark.parametrize("name", ["docs/python.md", "docs/migration-lcp-physics.md", "README.md"])
 def test_examples_of_pages(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    text = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    text = (ROOT / name).read_text(encoding="utf-8")
     blocks = list(re.finditer(r"^```python\n(.*?)^```", text, re.S | re.M))
     assert blocks
     names: dict[str, Any] = {"__name__": "page"}
     for block in blocks:
         line = text.count("\n", 0, block.start(1))
         exec(compile("\n" * line + block.group(1), name, "exec"), names)
+
+
+@pytest.mark.parametrize("extra", ["torch", "jax", "gymnasium", "ray", "matplotlib"])
+@pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::FutureWarning")  # of the frameworks
+def test_examples_of_the_frameworks(extra: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip(extra)
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
+    text = (ROOT / "docs" / "python-frameworks.md").read_text(encoding="utf-8")
+    blocks = re.findall(rf"^```python {extra}\n(.*?)^```", text, re.S | re.M)
+    assert blocks
+    names: dict[str, Any] = {"__name__": "__main__"}  # so that functions travel to other processes by value
+    for block in blocks:
+        exec(block, names)

@@ -325,5 +325,5 @@ def test_errors_of_the_engine_come_through(scene):
 
     with pytest.raises(tangency.SceneError, match=r"Mass\(1\) is -1"):
         end(-1.0)
-    with pytest.raises(jax.errors.JaxRuntimeError, match=r"SceneError: Mass\(1\) is -1"):
+    with pytest.raises(jax.errors.JaxRuntimeError, match=r'SceneError: "mass:box": Mass\(1\) is -1'):
         jax.block_until_ready(jax.jit(end)(-1.0))

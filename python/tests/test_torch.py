@@ -234,3 +234,10 @@ def test_the_lock_is_released():
     finally:
         sys.setswitchinterval(interval)
     assert order == ["meanwhile", "end of the run"]
+
+
+def test_two_names_of_one_number_are_refused() -> None:
+    scene = tangency.Scene(tangency.SceneDef([tangency.BodyDef("ball", shapes=[tangency.Circle(0.1)])]))
+    values = {"mass:ball": torch.tensor(1.0), "mass:*": torch.tensor(2.0)}
+    with pytest.raises(ValueError, match="same number"):
+        tangency.torch.rollout(scene, 1, values=values)

@@ -99,7 +99,21 @@ impl Rollouts {
         self.table(py, self.states().map(|state| &state.v[..]))
     }
 
-    /// The runs of these environments, in this order and as often as they are named; not copied.
+    /// The runs of some environments, in any order and as often as they are named; not copied.
+    ///
+    /// Parameters
+    /// ----------
+    /// environments : sequence of int
+    ///     Which.
+    ///
+    /// Returns
+    /// -------
+    /// Rollouts
+    ///
+    /// Raises
+    /// ------
+    /// IndexError
+    ///     If there is no such environment.
     fn take(&self, py: Python<'_>, environments: Vec<usize>) -> PyResult<Self> {
         let count = self.runs.len();
         if let Some(it) = environments.iter().find(|it| **it >= count) {

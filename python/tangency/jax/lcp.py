@@ -10,13 +10,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from tangency import _native
+from tangency.backend import Backend
 from tangency.jax.host import ArrayLike, array, call, pack
 from tangency.jax.tapes import Array, Indices
 
 __all__ = ["solve_lcp"]
 
 
-def solve_lcp(matrix: ArrayLike, q: ArrayLike, free: int = 0, *, backend: str = "ipm") -> jax.Array:
+def solve_lcp(matrix: ArrayLike, q: ArrayLike, free: int = 0, *, backend: Backend = "ipm") -> jax.Array:
     """Solves w = M z + q, 0 ≤ z ⟂ w ≥ 0; a differentiable pure function of `matrix` and `q`.
 
     Parameters
@@ -56,7 +57,7 @@ class _Problems:
 
     out: int
     free: int
-    backend: str
+    backend: Backend
 
     def record(self, x: Array) -> _Tape:
         solve = _native.solve_lcp

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from tangency._native import Batch, Rollouts, Scene
+from tangency.backend import Backend
 from tangency.jax.host import ArrayLike, array, call, halves, pack
 from tangency.jax.tapes import Array, Indices
 
@@ -24,7 +25,7 @@ def rollout(
     v0: ArrayLike | None = None,
     controls: ArrayLike | None = None,
     values: Mapping[str, ArrayLike] | None = None,
-    backend: str = "ipm",
+    backend: Backend = "ipm",
     kappa: float | None = None,
 ) -> tuple[jax.Array, jax.Array]:
     """Runs a scene; a pure function of `q0`, `v0`, `controls` and `values`, all differentiable.
@@ -80,7 +81,7 @@ def step(
     values: Mapping[str, ArrayLike] | None = None,
     *,
     time: float = 0.0,
-    backend: str = "ipm",
+    backend: Backend = "ipm",
     kappa: float | None = None,
 ) -> tuple[jax.Array, jax.Array]:
     """One step from a state; a pure function of `q`, `v`, `control` and `values`, all differentiable.
@@ -119,7 +120,7 @@ def _run(
     given: Mapping[str, jax.Array],
     values: Mapping[str, ArrayLike],
     *,
-    backend: str,
+    backend: Backend,
     kappa: float | None,
     time: float = 0.0,
 ) -> tuple[jax.Array, jax.Array]:
@@ -156,7 +157,7 @@ class _Runs:
     shapes: tuple[tuple[str, tuple[int, ...]], ...]
     """What is given of q0, v0 and controls; numbers of the scene come after them."""
     values: tuple[str, ...]
-    backend: str
+    backend: Backend
     kappa: float | None
     time: float
 

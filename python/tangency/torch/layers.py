@@ -10,7 +10,8 @@ from torch import Tensor
 from tangency._native import Scene
 from tangency.torch.functions import evaluate, evaluate_opaque
 from tangency.torch.inputs import Inputs
-from tangency.torch.maps import Backend, LcpMap, RolloutMap, scene_text
+from tangency.backend import Backend
+from tangency.torch.maps import LcpMap, RolloutMap, scene_text
 
 __all__ = ["rollout", "solve_lcp", "step"]
 

@@ -10,18 +10,18 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from tangency._native import Batch, LcpSolution, Rollout, Rollouts, Scene, rollout, solve_lcp
+from tangency.backend import Backend
 
-__all__ = ["Backend", "LcpMap", "Map", "RolloutMap", "Tape", "map_from", "map_text", "scene_text"]
+__all__ = ["LcpMap", "Map", "RolloutMap", "Tape", "map_from", "map_text", "scene_text"]
 
 Array = npt.NDArray[np.float64]
 Shape = tuple[int, ...]
-Backend = Literal["ipm", "clarabel", "lemke"]
 
 
 class Tape(Protocol):
@@ -87,6 +87,8 @@ class RolloutMap:
     def run(self, inputs: Sequence[Array], batch: int | None) -> tuple[list[Array], RolloutTape]:
         given = dict(zip(self.names, inputs, strict=True))
         state = {name: given.pop(name, None) for name in ("q0", "v0", "controls")}
+        if len(given) > 1:
+            self.scene._check_apart(list(given))
         runs = self._alone(state, given) if batch is None else self._side_by_side(state, given, batch)
         return [runs.q, runs.v], RolloutTape(runs, self.names)
 

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from tangency._native import Scene
 from tangency.torch.layers import rollout
-from tangency.torch.maps import Backend
+from tangency.backend import Backend
 
 __all__ = ["Rollout"]
 
@@ -95,4 +95,5 @@ class Rollout(torch.nn.Module):
         return self._scene.with_values({name: value.item() for name, value in self.values().items()})
 
     def extra_repr(self) -> str:
+        """What `repr` tells beside the class."""
         return f"{self._scene!r}, steps={self._steps}, learn={list(self._names)}"

@@ -8,6 +8,7 @@ physics inside?
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -22,14 +23,14 @@ from tangency.experiments.report import Report, markdown_table
 SETTINGS = {"quick": QUICK, "medium": MEDIUM, "full": FULL}
 
 
-def main() -> None:
+def main(given: Sequence[str] | None = None) -> None:
     """Runs the experiment and writes its page."""
     parser = argparse.ArgumentParser(prog="python -m tangency.experiments.billiards", description=__doc__)
     parser.add_argument("--setting", choices=SETTINGS, default="full", help="how large (default: full)")
     parser.add_argument("--quick", action="store_const", const="quick", dest="setting", help="the same as --setting quick")
     parser.add_argument("--discs", type=int, choices=(1, 2, 3), help="this many balls only")
     parser.add_argument("--out", type=Path, default=Path("out/billiards"), help="folder of the page")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(given)
     setting: Setting = SETTINGS[arguments.setting]
     command = f"python -m tangency.experiments.billiards --setting {arguments.setting}"
     if arguments.discs is not None:

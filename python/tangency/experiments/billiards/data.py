@@ -60,10 +60,11 @@ class Samples:
 
 def flow(one: Image, two: Image) -> npt.NDArray[np.float32]:
     """The motion of each pixel from one frame to the next: (2, height, width), pixels per frame."""
-    search = cv2.DISOpticalFlow_create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
     grey = [cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) for picture in (one, two)]
-    found: npt.NDArray[np.float32] = np.moveaxis(search.calc(grey[0], grey[1], None), -1, 0)
-    return found
+    still = np.zeros((*grey[0].shape, 2), dtype=np.float32)
+    found = np.asarray(search.calc(grey[0], grey[1], still), dtype=np.float32)
+    return np.moveaxis(found, -1, 0)
 
 
 def inputs_of(pictures: list[Image], discs: int) -> npt.NDArray[np.uint8]:
@@ -75,7 +76,8 @@ def inputs_of(pictures: list[Image], discs: int) -> npt.NDArray[np.uint8]:
         seen = [np.moveaxis(picture, -1, 0) * share[disc] for picture, share in zip(pictures, shares, strict=True)]
         moved = [128.0 + 127.0 / 8.0 * it * share[disc] for it, share in zip(flows, shares[:-1], strict=True)]
         inputs.append(np.concatenate([*seen, *moved]))
-    return np.clip(np.rint(np.array(inputs)), 0, 255).astype(np.uint8)
+    found: npt.NDArray[np.uint8] = np.clip(np.rint(np.array(inputs)), 0, 255).astype(np.uint8)
+    return found
 
 
 def samples(table: Table, count: int, size: int, seed: int) -> Samples:

@@ -36,7 +36,8 @@ def frame(x: Array, radius: float, size: int) -> Image:
         distance = np.hypot(at[None, :] - center[0], at[::-1, None] - center[1])
         cover = np.clip(0.5 + (radius - distance) * size, 0.0, 1.0)[..., None]
         picture += cover * (colour - picture)
-    return np.rint(picture).astype(np.uint8)
+    rounded: Image = np.rint(picture).astype(np.uint8)
+    return rounded
 
 
 def masks(picture: Image, discs: int) -> npt.NDArray[np.float32]:
@@ -46,4 +47,5 @@ def masks(picture: Image, discs: int) -> npt.NDArray[np.float32]:
     """
     apart = COLOURS[:discs] - CLOTH
     share = (picture - CLOTH) @ np.linalg.pinv(apart)
-    return np.clip(np.moveaxis(share, -1, 0), 0.0, 1.0).astype(np.float32)
+    found: npt.NDArray[np.float32] = np.clip(np.moveaxis(share, -1, 0), 0.0, 1.0).astype(np.float32)
+    return found

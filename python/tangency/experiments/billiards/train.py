@@ -77,7 +77,7 @@ def evaluate(model: Model, samples: Samples, batch: int = 250) -> tuple[float, f
     model.eval()
     places, pixels, count = 0.0, 0.0, 0
     with torch.no_grad():
-        for which in torch.arange(len(samples)).split(batch):
+        for which in torch.split(torch.arange(len(samples)), batch):
             part = samples.part(which)
             _, later, frames = model(part.inputs)
             places += len(part) * nn.functional.mse_loss(later[..., :2], part.later[..., :2]).item()
@@ -107,7 +107,7 @@ def train(
     for epoch in range(training.epochs):
         model.train()
         order = torch.from_numpy(rng.permutation(len(samples)))
-        for which in order.split(training.batch):
+        for which in torch.split(order, training.batch):
             if len(which) < training.batch:
                 continue
             try:

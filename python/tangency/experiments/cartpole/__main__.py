@@ -7,6 +7,7 @@ and iterative LQR through it keeps the pole up; a network learns the same and is
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from statistics import mean
@@ -21,12 +22,12 @@ from tangency.experiments.report import Report, markdown_table
 TRUE = (1.0, 0.1, 0.5)
 
 
-def main() -> None:
+def main(given: Sequence[str] | None = None) -> None:
     """Runs the experiment and writes its page."""
     parser = argparse.ArgumentParser(prog="python -m tangency.experiments.cartpole", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="a few minutes less: fewer trajectories and episodes")
     parser.add_argument("--out", type=Path, default=Path("out/cartpole"), help="folder of the page")
-    arguments = parser.parse_args()
+    arguments = parser.parse_args(given)
     command = "python -m tangency.experiments.cartpole" + (" --quick" if arguments.quick else "")
     report = Report(arguments.out, "Cartpole", command)
     setting = QUICK if arguments.quick else FULL

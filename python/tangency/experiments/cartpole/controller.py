@@ -6,6 +6,7 @@ not unique.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
@@ -40,15 +41,14 @@ class _Receding:
         return float(plan.controls[0, 0])
 
 
-def _planned(*arguments: object, **keywords: object) -> tangency.Plan:
-    """The plan, or the best one where the search was ended."""
+def _best(search: Callable[[], tangency.Plan]) -> tangency.Plan:
+    """The plan, or the best one so far where the search was ended."""
     try:
-        return tangency.plan(*arguments, max_iterations=20, tolerance=1e-6, **keywords)  # type: ignore[arg-type]
+        return search()
     except tangency.PlanError as error:
-        best = getattr(error, "plan", None)
-        if best is None:
+        if error.plan is None:
             raise
-        return best  # type: ignore[no-any-return]
+        return error.plan
 
 
 class PhysicsController(_Receding):
@@ -63,8 +63,14 @@ class PhysicsController(_Receding):
     def action(self, state: Array) -> float:
         """See `Controller`."""
         at = state_of(self._scene, state, self._length)
-        plan = _planned(self._scene, self._cost, self._guess, state=at, lower=-FORCE, upper=FORCE)
-        return self._first(plan) / FORCE
+
+        def search() -> tangency.Plan:
+            guess, limit = self._guess, FORCE
+            return tangency.plan(
+                self._scene, self._cost, guess, state=at, lower=-limit, upper=limit, max_iterations=20, tolerance=1e-6
+            )
+
+        return self._first(_best(search)) / FORCE
 
 
 class NetworkController(_Receding):
@@ -78,8 +84,14 @@ class NetworkController(_Receding):
 
     def action(self, state: Array) -> float:
         """See `Controller`."""
-        plan = _planned(self._model, self._cost, self._guess, state=state, lower=-1.0, upper=1.0)
-        return self._first(plan)
+
+        def search() -> tangency.Plan:
+            guess, limit = self._guess, 1.0
+            return tangency.plan(
+                self._model, self._cost, guess, state=state, lower=-limit, upper=limit, max_iterations=20, tolerance=1e-6
+            )
+
+        return self._first(_best(search))
 
 
 def episode(real: RealCartPole, controller: Controller) -> int:

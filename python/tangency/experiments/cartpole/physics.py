@@ -94,7 +94,7 @@ class PhysicsModel(torch.nn.Module):
 
         def loss() -> torch.Tensor:
             search.zero_grad()
-            value = (((self(before, actions) - after)[:, RATES] / spread) ** 2).mean()
+            value: torch.Tensor = (((self(before, actions) - after)[:, RATES] / spread) ** 2).mean()
             value.backward()  # type: ignore[no-untyped-call]
             losses.append(value.item())
             return value

@@ -53,7 +53,7 @@ class RealCartPole:
     def step(self, action: float) -> tuple[Array, bool]:
         """The next state, and whether the episode has failed: beyond 12° or 2.4 m."""
         self._env.force_mag = self._force * abs(action)
-        state, _, failed, _, _ = self._env.step(int(action > 0.0))
+        state, _, failed, _, _ = self._env.step(int(action > 0.0))  # type: ignore[no-untyped-call]
         return self._exact(state), failed
 
     def _exact(self, rounded: npt.NDArray[np.float32]) -> Array:
@@ -63,7 +63,8 @@ class RealCartPole:
 
 def random_trajectory(real: RealCartPole, rng: np.random.Generator) -> Trajectory:
     """An episode of random actions, until it fails."""
-    states, actions, failed = [real.reset()], [], False
+    states, failed = [real.reset()], False
+    actions: list[float] = []
     while not failed and len(actions) < MOST_STEPS:
         actions.append(float(rng.uniform(-1.0, 1.0)))
         state, failed = real.step(actions[-1])
