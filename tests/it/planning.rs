@@ -9,6 +9,7 @@ use tangency::control::{ControlLimits, Dynamics, Plan, Planner, Quadratic, Scene
 use tangency::{LcpSolver, Scene, SceneDef, State, rollout};
 use tangency_bench::scenes::{driven_pendulum, hanging_cartpole, pushed_box};
 
+use crate::accurate::accurate;
 use crate::engine::{backends, built, near};
 
 /// What is to be done.
@@ -88,8 +89,21 @@ fn cartpole_swings_up() {
 /// A hand that cannot pull: friction stops the box at the goal within 10⁻⁴ m, and exactly at rest.
 #[test]
 fn box_comes_to_rest_at_the_goal() {
+    pushes_to_the_goal(pushed_box());
+}
+
+/// The same in accurate steps: where the box comes to rest is an event within a step, and hand and box lie
+/// still for half of the guess.
+#[test]
+fn box_comes_to_rest_at_the_goal_in_accurate_steps() {
+    let def = pushed_box();
+    let dt = def.dt;
+    pushes_to_the_goal(accurate(def, dt));
+}
+
+fn pushes_to_the_goal(def: SceneDef) {
     let aims = vec![(1, 0, 1.0)];
-    let (def, weight, guess) = (pushed_box(), 1e5, (30, 5.0));
+    let (weight, guess) = (1e5, (30, 5.0));
     let task = Task { def, steps: 100, limit: 5.0, aims, weight, guess };
     for solver in backends() {
         let end = task.end(&*solver, 0);

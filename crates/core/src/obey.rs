@@ -116,10 +116,7 @@ impl Division<'_> {
             RowSource::Motor { joint } => context.motor_speed(joint),
             _ => 0.0,
         };
-        let gain = |body: usize| {
-            let (pull, turn) = (rates[body].xy().norm(), rates[body].z.abs());
-            Vector3::new(pull, pull, turn) * self.scene.dt
-        };
+        let gain = |body: usize| rates[body] * self.scene.dt;
         (context.speed(&row) - target, noise(context, &row, gain) + NOISE * target.abs())
     }
 

@@ -251,15 +251,30 @@ impl Look<'_> {
     }
 }
 
-/// What of a row's speed may be rounding, for what bodies gain within a step.
+/// What of a row's speed may be rounding, for what bodies gain within a step. The speeds of a body come out
+/// of the same sums in all directions, so that what is rounding beside one is rounding beside all of them: with
+/// its size ℓ and gains g,
+///
+/// ```text
+///  Σ (|J_xy| + |J_θ|/ℓ) (|v| + |g| + ℓ (|ω| + |g_θ|)) · 10⁻¹⁰
+/// ```
+///
+/// (A body that rests against a wall under its weight has no speed at all towards the wall but rounding.) Bodies
+/// that move as they are told have no such sums.
 pub(crate) fn noise(
     context: &RowContext<'_>,
     row: &RowGeometry,
     gain: impl Fn(usize) -> Vector3<f64>,
 ) -> f64 {
     let side = |k: usize| {
-        row.bodies[k]
-            .map_or(0.0, |b| row.jacobian[k].abs().dot(&(context.v[b].abs() + gain(b).abs())))
+        let Some(body) = row.bodies[k] else { return 0.0 };
+        let (j, v, gain) = (row.jacobian[k].abs(), context.v[body].abs(), gain(body).abs());
+        if !context.scene.is_dynamic(body) {
+            return j.dot(&(v + gain));
+        }
+        let size = context.scene.size(body);
+        let speed = v.xy().norm() + gain.xy().norm() + size * (v.z + gain.z);
+        (j.xy().norm() + j.z / size) * speed
     };
     NOISE * (side(0) + side(1))
 }

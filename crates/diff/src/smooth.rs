@@ -11,10 +11,23 @@
 //!
 //! Displacements and the impulses that meet what is held follow as in any step. The impulse of a row is
 //! λ = h Σ w_k λ_k: ∂L/∂λ_k = h w_k λ̄.
+//!
+//! Velocities that break what the flow holds by δ are brought to it within O(δ): a contact that begins to slide
+//! stops after |δ|/(μ g), one that opens lands after 2 δ/g, one that closes has an impact. At the limit
+//! nothing moves meanwhile, and what they become obeys the flow's rows in their modes,
+//!
+//! ```text
+//!  M v⁺ = M v + Jᵀ Λ       J v⁺ = 0 of what presses and sticks       Λt = ±μ Λn of what slides
+//! ```
+//!
+//! with v⁺ = v and Λ = 0 at the state itself: a derivative that is none of the values. (Of a contact that opens
+//! by δ friction misses μ m g 2 δ/g while it is in flight, and has μ m δ of that at its impact.)
 
 use nalgebra::Vector3;
 use tangency_core::row::RowContext;
-use tangency_core::{STEPS, Scene, Slope, SmoothRecord, State, StepRecord, WEIGHTS};
+use tangency_core::{
+    IslandRecord, Motion, STEPS, Scene, Slope, SmoothRecord, State, StepRecord, WEIGHTS,
+};
 
 use crate::error::DiffError;
 use crate::impulse::RowImpulse;
@@ -35,13 +48,8 @@ impl Reverse {
         bars: &mut Bars<'_>,
         report: &mut GradientReport,
     ) -> Result<(), DiffError> {
-        let by_length = bars.scene.dt;
         if let Some(meeting) = &smooth.meeting {
-            let mut unseen = GradientReport::default();
-            let impulses = std::mem::take(&mut self.impulses);
-            self.part(scene, &meeting.before, &meeting.record, bars, &mut unseen)?;
-            self.impulses = impulses;
-            bars.scene.dt = by_length;
+            self.unseen(scene, &meeting.before, &meeting.record, bars)?;
         }
         for post in record.post.iter().rev() {
             self.displacement(scene, record, post, bars, report)?;
@@ -76,7 +84,25 @@ impl Reverse {
             next = k.checked_sub(1).map(|before| (STEPS[before], own));
         }
         *bars.state = total;
+        if let Some(start) = start(record, smooth) {
+            self.unseen(scene, &start.after, &start, bars)?;
+        }
         bars.scene.dt += dt_bar;
+        Ok(())
+    }
+
+    /// A change of velocities that takes no time, whose impulses are nobody's.
+    fn unseen(
+        &mut self,
+        scene: &Scene,
+        before: &State,
+        record: &StepRecord,
+        bars: &mut Bars<'_>,
+    ) -> Result<(), DiffError> {
+        let (by_length, impulses) = (bars.scene.dt, std::mem::take(&mut self.impulses));
+        self.part(scene, before, record, bars, &mut GradientReport::default())?;
+        self.impulses = impulses;
+        bars.scene.dt = by_length;
         Ok(())
     }
 
@@ -127,9 +153,14 @@ pub(crate) fn jvp(
     let (h, dh) = (record.dt, along.scene.dt);
     let first = impulses.len();
     let numbers = SceneVector { dt: 0.0, ..along.scene.clone() };
-    let mut d_after = along.state.clone();
+    let mut before = along.state.clone();
+    if let Some(start) = start(record, smooth) {
+        let direction = Direction { scene: &numbers, ..*along };
+        before = part_jvp(scene, &start.after, &start, &direction, part, &mut Vec::new())?;
+    }
+    let mut d_after = before.clone();
     d_after.time += dh;
-    let mut at = along.state.clone();
+    let mut at = before.clone();
     for (k, slope) in smooth.slopes.iter().enumerate() {
         let direction = Direction { state: &at, control: along.control, scene: &numbers };
         let context = record.slope_context(scene, slope);
@@ -143,7 +174,7 @@ pub(crate) fn jvp(
         let rate = Rate { h, dh, slope, dv: &at.v, da: &da };
         rate.add(WEIGHTS[k], &mut d_after);
         if let Some(part) = STEPS.get(k) {
-            let mut next = along.state.clone();
+            let mut next = before.clone();
             rate.add(*part, &mut next);
             at = next;
         }
@@ -154,6 +185,34 @@ pub(crate) fn jvp(
     let Some(meeting) = &smooth.meeting else { return Ok(d_after) };
     let direction = Direction { state: &d_after, control: along.control, scene: &numbers };
     part_jvp(scene, &meeting.before, &meeting.record, &direction, part, &mut Vec::new())
+}
+
+/// What brings velocities to what a flow holds from its beginning: those of the state obey it already.
+fn start(record: &StepRecord, smooth: &SmoothRecord) -> Option<StepRecord> {
+    let slope = smooth.slopes.first().filter(|slope| !slope.islands.is_empty())?;
+    let mut islands = slope.islands.clone();
+    for IslandRecord { bodies, problem, solution, .. } in &mut islands {
+        solution.impulses.fill(0.0);
+        for (k, body) in bodies.iter().enumerate() {
+            solution.velocities[k] = slope.at.v[*body as usize];
+            problem.momentum[k] = problem.mass[k].component_mul(&solution.velocities[k]);
+        }
+    }
+    (record.dt > 0.0).then(|| StepRecord {
+        control: record.control.clone(),
+        motion: Motion::Projection,
+        dt: 0.0,
+        parts: Vec::new(),
+        hit: None,
+        midway: Vec::new(),
+        bounces: Vec::new(),
+        contacts: slope.contacts.clone(),
+        islands,
+        smooth: None,
+        fell_back: false,
+        post: Vec::new(),
+        after: slope.at.clone(),
+    })
 }
 
 /// d(h w λ) of the rows of a slope, given dλ of its islands, d(h w) and h w.

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 use tangency::control::{Dynamics, SceneDynamics};
+use tangency::diff::{Coordinates, RolloutVector, step_jacobian, tangent};
 use tangency::{
     BodyDef, Gradient, Rollout, Scene, SceneDef, State, StateVector, gradient, rollout,
 };
@@ -55,8 +56,70 @@ fn batches_have_the_same_bits() {
     }
 }
 
+/// The hand pushes with F for 30 steps (a = (F − μ m g)/(m + M)), then both slide on (−μ m g/(m + M)) and lie still:
+/// x = a t²/2 + v²/(2 b), v = a t. Nothing happens there: steps are of one part, and neither motion nor
+/// derivatives change.
+#[test]
+fn what_lies_still_stays_as_it_is() {
+    let (force, t, mass, drag) = (5.0, 30.0 * H, 1.5, 0.3 * 9.81);
+    let (a, b) = ((force - drag) / mass, drag / mass);
+    let by_force = (0.5 * t * t + a * t * t / b) / mass;
+    let scene = built(&accurate(pushed_box(), H));
+    for solver in backends() {
+        let push = |k: usize, _: &State| vec![if k < 30 { force } else { 0.0 }];
+        let tape = rollout(&scene, &*solver, scene.initial_state(), 100, push).expect("a run");
+        near("x", tape.last().q[1].x, 0.5 * a * t * t + (a * t).powi(2) / (2.0 * b), 1e-12);
+        assert!(tape.records[51..].iter().all(|record| record.parts.is_empty()));
+
+        let (x, v) = (0.7, 0.4);
+        let mut seed = StateVector::like(tape.last());
+        (seed.q[1].x, seed.v[1].x) = (x, v);
+        let last = |k: usize, _: &State| (k == 100).then(|| seed.clone());
+        let back = gradient(&scene, &tape, last).expect("a gradient").by;
+        let mut along = RolloutVector::zeros(&scene, 100);
+        along.controls[..30].iter_mut().for_each(|u| u[0] = 1.0);
+        let ahead = tangent(&scene, &tape, &along).expect("a tangent");
+        near("∂x/∂F", ahead[100].q[1].x, by_force, 1e-12);
+        near("∂v/∂F", ahead[100].v[1].x, 0.0, 1e-12);
+        let sum: f64 = back.controls[..30].iter().map(|u| u[0]).sum();
+        near("backwards", sum, x * by_force, 1e-12);
+    }
+}
+
+/// Steps of the box at rest, 0.1 m before its hand, the first one and one after it: poses stay; a box that had a
+/// speed v would slide on for v²/(2 μ g) alone and stop, so that neither place nor speed depends on it at v = 0.
+#[test]
+fn a_box_at_rest_has_the_closed_form() {
+    let mut def = accurate(pushed_box(), H);
+    def.bodies[1].position[0] = 0.1;
+    let scene = built(&def);
+    let order = Coordinates::of(&scene);
+    let place = |body| order.pose(body, 0).expect("a dynamic body");
+    let speed = |body| order.velocity(body, 0).expect("a dynamic body");
+    for solver in backends() {
+        let tape = rollout(&scene, &*solver, scene.initial_state(), 2, |_, _| vec![0.0]);
+        let tape = tape.expect("a run");
+        for (before, record) in tape.states().zip(&tape.records) {
+            let by = step_jacobian(&scene, before, record, &[]).expect("a Jacobian");
+            for (to, from, exact) in [
+                (place(1), place(1), 1.0),
+                (place(1), speed(1), 0.0),
+                (speed(1), place(1), 0.0),
+                (speed(1), speed(1), 0.0),
+                (place(1), speed(2), 0.0),
+                (place(2), speed(2), H),
+                (speed(2), speed(2), 1.0),
+            ] {
+                near("∂state", by.state[(to, from)], exact, 1e-12);
+            }
+            near("∂v/∂u", by.control[(speed(2), 0)], 2.0 * H, 1e-12);
+            near("∂v/∂u of the box", by.control[(speed(1), 0)], 0.0, 1e-12);
+        }
+    }
+}
+
 /// One step of the sliding box, 0.1 m before its hand: x⁺ = x + v h − μ g h²/2, v⁺ = v − μ g h, and of the
-/// hand x⁺ = x + v h + u h²/(2 m), v⁺ = v + u h/m.
+/// hand x⁺ = x + v h + u h²/(2 m), v⁺ = v + u h/m. With a speed w downwards its impact takes μ w of v.
 #[test]
 fn a_planner_gets_the_closed_form() {
     let mut def = sliding();
@@ -73,11 +136,14 @@ fn a_planner_gets_the_closed_form() {
         let order = dynamics.order();
         let place = |body| order.pose(body, 0).expect("a dynamic body");
         let speed = |body| order.velocity(body, 0).expect("a dynamic body");
+        let down = order.velocity(1, 1).expect("a dynamic body");
         for (to, from, exact) in [
             (place(1), place(1), 1.0),
             (place(1), speed(1), H),
             (speed(1), speed(1), 1.0),
             (speed(1), place(1), 0.0),
+            (speed(1), down, 0.3),
+            (place(1), down, 0.3 * H),
             (place(2), speed(2), H),
             (speed(1), speed(2), 0.0),
         ] {
