@@ -192,7 +192,10 @@ fn bad_options_are_wrong_usage() {
         folder.path(),
         &["simulate", "ball.toml", "--backend", "magic"],
         2,
-        "error: unknown backend `magic`; this build has: ipm\n",
+        &format!(
+            "error: unknown backend `magic`; this build has: {}\n",
+            tangency::BACKENDS.join(", ")
+        ),
     );
     fail(
         folder.path(),
